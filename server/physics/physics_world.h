@@ -1,0 +1,104 @@
+// One Bullet world behind plain data: bodies in and out, contacts with their impulses, one step, queries.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "server/base/ids.h"
+#include "server/physics/body.h"
+
+namespace aureole {
+
+struct PhysicsSettings {
+  Eigen::Vector3f gravity{0, -9.81f, 0};   ///< m/s²
+  int solver_iterations = 10;              ///< 1 … 50
+  float sleep_linear_speed = 0.25f;        ///< m/s; Bullet's 0.8 freezes a box that still slides.
+  float sleep_angular_speed = 0.35f;       ///< rad/s
+  float sleep_after_s = 0.4f;              ///< s, the paper's (section 4.2)
+  WorldPosition origin;                    ///< Where the floats of this world are centred.
+};
+
+struct RayHit {
+  ContactPartner what;
+  WorldPosition point;
+  Eigen::Vector3f normal;
+  float fraction;  ///< 0 … 1 of the ray
+};
+
+/// Everything inside one world is repeatable: the same calls in the same order give the same bits.
+/// Bullet keeps process-wide state: use all worlds of a process from one thread at a time.
+/// Ids that are unknown, doubled or already present are programmers' mistakes (AUREOLE_CHECK).
+class PhysicsWorld {
+ public:
+  /// `prototypes` and `statics` must outlive the world; ids are indices into them. Pools for
+  /// `expected_bodies` are allocated once (a scratch world wants few).
+  PhysicsWorld(const PhysicsSettings& settings, std::span<const BodyDefinition> prototypes,
+               std::span<const StaticDefinition> statics, std::size_t expected_bodies = 8192);
+  ~PhysicsWorld();
+  PhysicsWorld(PhysicsWorld&&) noexcept;
+  PhysicsWorld& operator=(PhysicsWorld&&) noexcept;
+
+  /// Adds bodies in the order of their ids, whatever their order in `bodies`.
+  void add(std::span<const NewBody> bodies);
+  /// Removes bodies with their pairs in one pass and wakes what touched them.
+  void remove(std::span<const BodyId> ids);
+
+  /// Gives the pairs among `group` (and with the ground) the contacts they had in the world they
+  /// come from. Call after add(); a pair that no longer overlaps is skipped.
+  void install_contacts(std::span<const ContactManifold> contacts);
+  /// Contacts among the bodies of `group` and between them and static geometry; sorted.
+  std::vector<ContactManifold> contacts_within(std::span<const BodyId> group) const;
+  /// Bodies that share at least one contact point with `id`; sorted.
+  std::vector<BodyId> touching(BodyId id) const;
+  /// True if something carries the body: a contact whose normal points up by more than `min_up`.
+  bool is_supported(BodyId id, float min_up = 0.6f) const;
+
+  /// Steps by dt_s (unit: s, > 0) without sub-steps.
+  void step(float dt_s);
+
+  bool contains(BodyId id) const;
+  std::size_t size() const;
+  std::size_t awake_count() const;
+  /// All bodies, ascending. Valid until the next add or remove.
+  std::span<const BodyId> ids() const;
+  PrototypeId prototype(BodyId id) const;
+  BodyState state(BodyId id) const;
+  WorldPosition position(BodyId id) const;
+  bool is_asleep(BodyId id) const;
+
+  /// Overwrites pose, velocities and activation; wakes the body if `state` is awake.
+  void set_state(BodyId id, const BodyState& state);
+  /// Velocity change at the centre of mass (unit: N s); wakes the body.
+  void apply_impulse(BodyId id, const Eigen::Vector3f& impulse);
+  /// Sets velocities (m/s, rad/s) and wakes the body.
+  void set_velocity(BodyId id, const Eigen::Vector3f& linear, const Eigen::Vector3f& angular);
+  /// Force for the next step (unit: N); wakes the body.
+  void apply_force(BodyId id, const Eigen::Vector3f& force);
+  void wake(BodyId id);
+
+  /// Nearest hit on a body or static geometry, `ignore` left out.
+  std::optional<RayHit> raycast(const WorldPosition& from, const WorldPosition& to,
+                                std::optional<BodyId> ignore = {}) const;
+  /// Bodies whose bounding box touches the sphere; sorted.
+  std::vector<BodyId> overlapping_sphere(const WorldPosition& centre, float radius) const;
+
+  /// A body that nothing moves, as an obstacle: infinite mass, driven along `state`'s velocity.
+  /// For the scratch world that makes up time in flight.
+  void add_obstacle(const NewBody& body);
+
+  /// Over all ids and states, bit for bit.
+  std::uint64_t state_hash() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// True if every number is finite and the orientation has unit length within 1e-3: the check that
+/// each state from a socket passes before it reaches Bullet.
+bool is_sane(const BodyState& state);
+
+}  // namespace aureole

@@ -1,0 +1,122 @@
+// A world as plain data: what a world file says after it has been read, checked and completed.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/base/ids.h"
+#include "server/base/world_position.h"
+#include "server/physics/body.h"
+#include "server/physics/physics_world.h"
+
+namespace aureole {
+
+/// The user-defined tolerances of the paper (section 3.3).
+struct Tolerances {
+  double speed_mps = 32.0;      ///< V_t
+  double latency_ms = 2.0;      ///< T_L
+  double frame_time_ms = 15.0;  ///< T_F
+};
+
+/// Half-open rectangle [min, max) of the ground plane (unit: m); the outermost sides are infinite.
+struct Rectangle {
+  double min_x = -std::numeric_limits<double>::infinity();
+  double min_z = -std::numeric_limits<double>::infinity();
+  double max_x = std::numeric_limits<double>::infinity();
+  double max_z = std::numeric_limits<double>::infinity();
+  bool contains(double x, double z) const {
+    return x >= min_x && x < max_x && z >= min_z && z < max_z;
+  }
+  friend bool operator==(const Rectangle&, const Rectangle&) = default;
+};
+
+struct RegionDefinition {
+  std::string name;
+  Rectangle area;
+};
+
+/// 24-bit colour as written in a world file ("#rrggbb").
+struct Colour {
+  std::uint8_t r = 200, g = 200, b = 200;
+  friend bool operator==(const Colour&, const Colour&) = default;
+};
+
+struct Prototype {
+  std::string name;
+  BodyDefinition body;
+  Colour colour;
+};
+
+struct WorldStatic {
+  std::string name;
+  StaticDefinition body;
+  Colour colour;
+};
+
+struct WorldBody {
+  PrototypeId prototype;
+  BodyState state;
+  /// Region that hosts it at the start instead of the one its centre is in (tests of handoffs).
+  std::optional<RegionId> host;
+};
+
+struct Box3 {
+  Eigen::Vector3d min{0, 0, 0}, max{0, 0, 0};
+};
+
+/// Makes bodies at a constant rate from a seeded stream; every server can compute the whole stream
+/// and makes those bodies that start in its own region.
+struct Injector {
+  std::string name;
+  double rate_per_s = 1;      ///< > 0
+  Box3 volume;                ///< Positions, uniform (m).
+  Eigen::Vector3f velocity_min{0, 0, 0}, velocity_max{0, 0, 0};  ///< Uniform (m/s).
+  struct Share {
+    PrototypeId prototype;
+    double weight = 1;
+  };
+  std::vector<Share> mix;
+  std::uint64_t seed = 1;
+  double start_s = 0;
+  double duration_s = std::numeric_limits<double>::infinity();
+};
+
+struct SpawnPoint {
+  WorldPosition position;
+  float yaw_rad = 0;
+};
+
+/// What a player can throw, keys 1 to 4.
+struct Throwable {
+  std::string name;
+  PrototypeId prototype;
+  float speed_mps = 20;
+};
+
+struct WorldDefinition {
+  std::string name;
+  std::string description;
+  PhysicsSettings physics;
+  Tolerances tolerances;
+  std::vector<RegionDefinition> regions;  ///< They tile the plane.
+  Box3 bounds;                            ///< Strays outside are removed.
+  std::uint32_t max_bodies = 20'000;
+  std::uint32_t max_thrown_per_player = 40;
+  std::vector<Prototype> prototypes;      ///< Those of bodies, injectors, throwables and the avatar.
+  std::vector<WorldStatic> statics;
+  std::vector<WorldBody> bodies;          ///< BodyId::world(index)
+  std::vector<Injector> injectors;
+  std::vector<SpawnPoint> spawn_points;   ///< At least one.
+  std::array<Throwable, 4> throwables;
+  PrototypeId avatar;                     ///< Upright capsule.
+  std::uint64_t hash = 0;                 ///< Over everything above; servers of one world agree on it.
+};
+
+/// The region whose area holds the point. Areas tile the plane, so there is always exactly one.
+RegionId region_at(const std::vector<RegionDefinition>& regions, double x, double z);
+
+}  // namespace aureole
