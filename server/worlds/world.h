@@ -8,19 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "server/aura/aura_radius.h"
 #include "server/base/ids.h"
 #include "server/base/world_position.h"
 #include "server/physics/body.h"
 #include "server/physics/physics_world.h"
 
 namespace aureole {
-
-/// The user-defined tolerances of the paper (section 3.3).
-struct Tolerances {
-  double speed_mps = 32.0;      ///< V_t
-  double latency_ms = 2.0;      ///< T_L
-  double frame_time_ms = 15.0;  ///< T_F
-};
 
 /// Half-open rectangle [min, max) of the ground plane (unit: m); the outermost sides are infinite.
 struct Rectangle {
@@ -101,7 +95,7 @@ struct WorldDefinition {
   std::string name;
   std::string description;
   PhysicsSettings physics;
-  Tolerances tolerances;
+  AuraTolerances tolerances;
   std::vector<RegionDefinition> regions;  ///< They tile the plane.
   Box3 bounds;                            ///< Strays outside are removed.
   std::uint32_t max_bodies = 20'000;
