@@ -1,0 +1,84 @@
+// Frames: encoding, and reading them back out of a stream.
+#include "protocol/frame.h"
+
+#include <bit>
+
+#include "server/base/check.h"
+
+namespace aureole {
+
+static_assert(std::endian::native == std::endian::little,
+              "the wire is little-endian and structs are sent as they lie in memory");
+
+Bytes encode_frame(FrameType type, std::uint64_t sequence, std::span<const std::byte> payload) {
+  const std::size_t padded = (payload.size() + 7) & ~std::size_t{7};
+  AUREOLE_CHECK(padded <= max_payload_bytes, "senders split what does not fit a frame");
+  const FrameHeader header{static_cast<std::uint32_t>(padded), static_cast<std::uint16_t>(type), 0,
+                           sequence};
+  Bytes bytes(sizeof header + padded);
+  std::memcpy(bytes.data(), &header, sizeof header);
+  if (!payload.empty()) std::memcpy(bytes.data() + sizeof header, payload.data(), payload.size());
+  return bytes;
+}
+
+Result<Frame> decode_frame(std::span<const std::byte> bytes) {
+  FrameReader reader(max_payload_bytes);
+  if (auto fed = reader.feed(bytes); !fed) return fed.error();
+  auto frame = reader.next();
+  if (!frame || reader.pending_bytes() != 0)
+    return Error::format("{} bytes are not exactly one frame", bytes.size());
+  return std::move(*frame);
+}
+
+Status FrameReader::check_header(const FrameHeader& header) const {
+  if (header.type == 0 || header.type > last_frame_type)
+    return Error::format("frame of unknown type {}; expected 1 to {}", header.type, last_frame_type);
+  if (header.reserved != 0)
+    return Error::format("frame with reserved bits {:#x} set; expected 0", header.reserved);
+  if (header.payload_bytes > max_payload_)
+    return Error::format("frame of {} bytes; at most {} are allowed here", header.payload_bytes,
+                         max_payload_);
+  if (header.payload_bytes % 8 != 0)
+    return Error::format("frame of {} bytes; expected a multiple of 8", header.payload_bytes);
+  return Ok{};
+}
+
+Status FrameReader::feed(std::span<const std::byte> data) {
+  if (failed_) return Error{"the stream broke off at a bad frame before"};
+  if (consumed_ > 0 && consumed_ == buffer_.size()) {
+    buffer_.clear();
+    consumed_ = 0;
+  } else if (consumed_ > (64u << 10)) {
+    buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(consumed_));
+    consumed_ = 0;
+  }
+  buffer_.insert(buffer_.end(), data.begin(), data.end());
+
+  // Headers are judged as soon as they are whole, so that an oversize frame is never waited for.
+  std::size_t at = consumed_;
+  while (buffer_.size() - at >= sizeof(FrameHeader)) {
+    FrameHeader header;
+    std::memcpy(&header, buffer_.data() + at, sizeof header);
+    if (auto ok = check_header(header); !ok) {
+      failed_ = true;
+      return ok;
+    }
+    if (buffer_.size() - at < sizeof header + header.payload_bytes) break;
+    at += sizeof header + header.payload_bytes;
+  }
+  return Ok{};
+}
+
+std::optional<Frame> FrameReader::next() {
+  if (failed_ || buffer_.size() - consumed_ < sizeof(FrameHeader)) return std::nullopt;
+  FrameHeader header;
+  std::memcpy(&header, buffer_.data() + consumed_, sizeof header);
+  const std::size_t whole = sizeof header + header.payload_bytes;
+  if (buffer_.size() - consumed_ < whole) return std::nullopt;
+  const auto payload = std::span(buffer_).subspan(consumed_ + sizeof header, header.payload_bytes);
+  Frame frame{static_cast<FrameType>(header.type), header.sequence, {payload.begin(), payload.end()}};
+  consumed_ += whole;
+  return frame;
+}
+
+}  // namespace aureole

@@ -1,0 +1,87 @@
+// Links to all servers that this one talks to: listening, dialling, hello, reconnecting, bounded queues.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "protocol/frame.h"
+#include "server/base/ids.h"
+#include "server/base/result.h"
+#include "server/net/world_clock.h"
+
+namespace aureole {
+
+/// host:port as an operator writes it; IPv6 hosts in brackets.
+struct Endpoint {
+  std::string host;
+  std::uint16_t port = 0;
+};
+Result<Endpoint> parse_endpoint(const std::string& text);
+
+struct PeerAddress {
+  PeerId peer;
+  Endpoint at;
+};
+
+/// What the other side said of itself.
+struct PeerHello {
+  Incarnation incarnation;
+  Incarnation known_incarnation;  ///< Of us, from an earlier link; 0 if it has never met us.
+  bool running = false;
+};
+
+struct PeerLinksOptions {
+  PeerId self;
+  Incarnation incarnation;
+  std::uint64_t world_hash = 0;
+  std::vector<PeerAddress> dial;         ///< Dialled again for ever, 50 ms to 2 s apart.
+  /// Frames queued towards one peer; past it the link is reset, and whatever must not be lost is sent
+  /// again by the journal.
+  std::size_t max_queued_bytes = 64u << 20;
+};
+
+/// Runs wholly on the io_context's one thread; callbacks come from there too.
+class PeerLinks {
+ public:
+  struct Events {
+    std::function<void(PeerId, const PeerHello&)> up;
+    std::function<void(PeerId, const std::string& reason)> down;
+    /// An Error ends this one link with that sentence, told to the other side as well.
+    std::function<Status(PeerId, Frame)> frame;
+    /// Whether this server has begun to step (told in the hello).
+    std::function<bool()> running;
+    /// A peer refused us or is of another world: nothing to retry. Optional.
+    std::function<void(PeerId, const std::string& reason)> refused;
+  };
+
+  /// `clock` is fed with samples of the reference (the linked region with the lowest id) and asked
+  /// when others ask; it must outlive this.
+  PeerLinks(boost::asio::io_context& io, PeerLinksOptions options, WorldClock& clock, Events events);
+  ~PeerLinks();
+
+  /// Starts to accept on `at`; port 0 picks one. Returns the port.
+  Result<std::uint16_t> listen(const Endpoint& at);
+  /// Starts to dial.
+  void start();
+  /// Closes everything; no callback comes afterwards.
+  void stop();
+
+  /// Queues a frame; dropped if the peer is not linked.
+  void send(PeerId to, SharedBytes frame);
+  bool is_linked(PeerId peer) const;
+  /// Shortest recent round trip (µs), if the link has been measured.
+  std::int64_t round_trip_us(PeerId peer) const;
+
+ private:
+  struct Impl;
+  std::shared_ptr<Impl> impl_;
+};
+
+/// Monotonic time of this machine (µs).
+std::int64_t monotonic_us();
+
+}  // namespace aureole
