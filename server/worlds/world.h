@@ -9,24 +9,13 @@
 #include <vector>
 
 #include "server/aura/aura_radius.h"
+#include "server/aura/partition_map.h"
 #include "server/base/ids.h"
 #include "server/base/world_position.h"
 #include "server/physics/body.h"
 #include "server/physics/physics_world.h"
 
 namespace aureole {
-
-/// Half-open rectangle [min, max) of the ground plane (unit: m); the outermost sides are infinite.
-struct Rectangle {
-  double min_x = -std::numeric_limits<double>::infinity();
-  double min_z = -std::numeric_limits<double>::infinity();
-  double max_x = std::numeric_limits<double>::infinity();
-  double max_z = std::numeric_limits<double>::infinity();
-  bool contains(double x, double z) const {
-    return x >= min_x && x < max_x && z >= min_z && z < max_z;
-  }
-  friend bool operator==(const Rectangle&, const Rectangle&) = default;
-};
 
 struct RegionDefinition {
   std::string name;

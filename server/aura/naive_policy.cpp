@@ -1,0 +1,45 @@
+// The naive approach of section 3.1: hand over on crossing.
+#include <algorithm>
+#include <map>
+#include <unordered_map>
+
+#include "server/aura/migration_policy.h"
+
+namespace aureole {
+namespace {
+
+class NaivePolicy final : public MigrationPolicy {
+ public:
+  std::vector<Migration> decide(Tick now, RegionId self, const PartitionMap& map,
+                                std::span<const HostedBody> hosted) override {
+    const Rectangle& home = map.area(self);
+    std::map<RegionId, std::vector<BodyId>> leaving;
+    std::unordered_map<BodyId, RegionId> leaders;
+    for (const HostedBody& body : hosted) {
+      if (body.leader != BodyId{}) continue;
+      if (home.distance(body.position.x, body.position.z) <= naive_hysteresis_m) continue;
+      if (now - body.changed_owner < naive_stay_ticks) continue;
+      const RegionId to = map.region_at(body.position.x, body.position.z);
+      if (to == self) continue;
+      leaving[to].push_back(body.id);
+      leaders.emplace(body.id, to);
+    }
+    for (const HostedBody& body : hosted) {
+      if (body.leader == BodyId{}) continue;
+      if (auto it = leaders.find(body.leader); it != leaders.end())
+        leaving[it->second].push_back(body.id);
+    }
+    std::vector<Migration> groups;
+    for (auto& [to, bodies] : leaving) {
+      std::sort(bodies.begin(), bodies.end());
+      groups.push_back({to, std::move(bodies)});
+    }
+    return groups;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<MigrationPolicy> make_naive_policy() { return std::make_unique<NaivePolicy>(); }
+
+}  // namespace aureole

@@ -1,0 +1,61 @@
+// Which region server answers for which part of the ground plane: data with a version, never baked in.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "server/base/ids.h"
+
+namespace aureole {
+
+/// Half-open rectangle [min, max) of the ground plane (unit: m); the outermost sides are infinite.
+struct Rectangle {
+  double min_x = -std::numeric_limits<double>::infinity();
+  double min_z = -std::numeric_limits<double>::infinity();
+  double max_x = std::numeric_limits<double>::infinity();
+  double max_z = std::numeric_limits<double>::infinity();
+
+  bool contains(double x, double z) const {
+    return x >= min_x && x < max_x && z >= min_z && z < max_z;
+  }
+  /// Distance from the point to the rectangle; 0 inside and on its edge (unit: m).
+  double distance(double x, double z) const;
+  friend bool operator==(const Rectangle&, const Rectangle&) = default;
+};
+
+/// A piece of a vertical plane between two regions. One of the coordinates is constant.
+struct BoundarySegment {
+  RegionId first, second;  ///< first < second
+  double from_x = 0, from_z = 0, to_x = 0, to_z = 0;  ///< May be infinite along the segment.
+};
+
+/// The areas tile the plane (checked where worlds are read), so that each point has exactly one owner.
+class PartitionMap {
+ public:
+  explicit PartitionMap(std::vector<Rectangle> areas, std::uint64_t version = 1);
+
+  std::uint64_t version() const { return version_; }
+  std::size_t size() const { return areas_.size(); }
+  const Rectangle& area(RegionId region) const { return areas_[region.value]; }
+
+  /// The region whose area holds the point. Points that are not finite belong to region 0.
+  RegionId region_at(double x, double z) const;
+  /// Regions whose areas come within `radius` of the point, ascending.
+  std::vector<RegionId> regions_within(double x, double z, double radius) const;
+  /// Regions that share an edge or a corner with `region`, ascending.
+  const std::vector<RegionId>& neighbours(RegionId region) const {
+    return neighbours_[region.value];
+  }
+  /// All pieces of boundary, sorted by their regions. At a T-shaped corner one side's edge is cut
+  /// into the pieces that its neighbours touch.
+  const std::vector<BoundarySegment>& boundaries() const { return boundaries_; }
+
+ private:
+  std::vector<Rectangle> areas_;
+  std::uint64_t version_;
+  std::vector<std::vector<RegionId>> neighbours_;
+  std::vector<BoundarySegment> boundaries_;
+};
+
+}  // namespace aureole
