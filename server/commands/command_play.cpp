@@ -1,0 +1,139 @@
+// `aureole play`: a whole world on this machine, behind one URL.
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <memory>
+
+#include "server/commands/commands.h"
+
+#include <CLI/CLI.hpp>
+
+#include "server/ops/installation.h"
+#include "server/ops/logging.h"
+#include "server/ops/ports.h"
+#include "server/play/supervisor.h"
+#include "server/worlds/world_file.h"
+
+namespace aureole {
+namespace {
+
+struct PlayOptions {
+  std::string world = "playground";
+  int regions = 0;  ///< 0: as the world file says.
+  int port = 8080;
+  std::string host = "127.0.0.1";
+  std::string web_root;
+  std::string log_level;
+  std::string server_binary;
+};
+
+int complain(const std::string& sentence, int code) {
+  fmt::print(stderr, "aureole: {}\n", sentence);
+  return code;
+}
+
+/// The port for the page: the one wanted if it is free, any free one for 0.
+Result<std::uint16_t> page_port(const PlayOptions& options) {
+  if (options.port == 0) {
+    const auto ports = free_loopback_ports(1, static_cast<std::uint32_t>(getpid()) + 1);
+    if (!ports) return ports.error();
+    return ports->front();
+  }
+  const auto port = static_cast<std::uint16_t>(options.port);
+  const Status free = check_port_is_free(options.host, port);
+  if (free) return port;
+  for (int other = options.port + 1; other < options.port + 20 && other < 65'536; ++other) {
+    if (check_port_is_free(options.host, static_cast<std::uint16_t>(other))) {
+      return Error::format("{}; try --port {}", free.error().message, other);
+    }
+  }
+  return Error::format("{}; try another --port, or --port 0 for any", free.error().message);
+}
+
+bool any_taken(const std::vector<std::uint16_t>& ports) {
+  for (const auto port : ports) {
+    if (!check_port_is_free("127.0.0.1", port)) return true;
+  }
+  return false;
+}
+
+int play(const PlayOptions& options) {
+  const std::string log_level = chosen_log_level(options.log_level);
+  if (const Status known = start_logging("play", log_level); !known) {
+    return complain(known.error().message, exit_usage);
+  }
+  WorldPlan plan;
+  plan.world = options.world;
+  plan.host = options.host;
+  plan.log_level = log_level;
+  if (options.regions != 0) plan.regions = options.regions;
+  const auto world = load_world(options.world, {.regions = plan.regions});
+  if (!world) return complain(world.error().message, exit_usage);
+
+  const auto own_binary = executable_path();
+  plan.web_root =
+      options.web_root.empty() ? web_root_beside(own_binary).string() : options.web_root;
+  const auto port = page_port(options);
+  if (!port) return complain(port.error().message, exit_usage);
+  plan.port = *port;
+
+  SupervisorOptions supervisor;
+  supervisor.executable = options.server_binary.empty() ? own_binary : options.server_binary;
+  supervisor.page_url = page_url(plan.host, plan.port);
+  supervisor.health_url = supervisor.page_url + "/healthz";
+  const int regions = static_cast<int>(world->regions.size());
+  fmt::print(stderr, "Starting the world '{}': {} region server{} and a gateway …\n", world->name,
+             regions, regions == 1 ? "" : "s");
+
+  // Between choosing the ports and listening on them another program can take one: then once more.
+  constexpr std::uint32_t attempts = 3;
+  for (std::uint32_t attempt = 0;; ++attempt) {
+    const auto ports =
+        free_loopback_ports(regions, static_cast<std::uint32_t>(getpid()) + attempt * 7919u);
+    if (!ports) return complain(ports.error().message, exit_failed);
+    plan.region_ports = *ports;
+    const PlayOutcome outcome = run_world(supervisor, processes_of(plan));
+    if (outcome.end == PlayEnd::asked) return exit_ok;
+    const bool unlucky = outcome.end == PlayEnd::failed_at_start && any_taken(plan.region_ports);
+    if (!unlucky || attempt + 1 == attempts) return complain(outcome.sentence, exit_failed);
+    fmt::print(stderr,
+               "play: another program took one of the chosen ports; starting with others\n");
+  }
+}
+
+}  // namespace
+
+void add_play(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand(
+      "play",
+      "A whole world on this machine: starts the region servers and a gateway, prints the URL to\n"
+      "open, and stops all of them on Ctrl-C.\n"
+      "For example: aureole play --world columns-4 --regions 2 --port 8081");
+  const auto options = std::make_shared<PlayOptions>();
+  command->add_option("--world", options->world, "World file, or the name of a shipped world")
+      ->capture_default_str();
+  command
+      ->add_option("--regions", options->regions,
+                   "Split the world anew into this many regions: 1, 2, 4 and 9 as a grid, other\n"
+                   "numbers as columns. Without it the world file's own regions count")
+      ->check(CLI::Range(1, 64));
+  command->add_option("--port", options->port, "Port of the page; 0 takes any free one")
+      ->check(CLI::Range(0, 65'535))
+      ->capture_default_str();
+  command
+      ->add_option("--host", options->host,
+                   "Numeric address to serve the page on. 0.0.0.0 lets everybody in who can reach\n"
+                   "this machine: there are no passwords")
+      ->capture_default_str();
+  command->add_option("--log-level", options->log_level,
+                      "trace, debug, info, warning, error or off; also AUREOLE_LOG_LEVEL");
+  command->add_option("--web-root", options->web_root,
+                      "Folder of the player page, if not the built one");
+  command
+      ->add_option("--server-binary", options->server_binary,
+                   "Start this instead of aureole itself as region and gateway")
+      ->group("");  // for tests
+  command->callback([options, &exit_code] { exit_code = play(*options); });
+}
+
+}  // namespace aureole

@@ -1,0 +1,22 @@
+// The subcommands of `aureole`: each file beside this one adds one of them to the command line.
+#pragma once
+
+#include <CLI/App.hpp>
+
+namespace aureole {
+
+/// Each function adds one subcommand with its options. When that subcommand was chosen, its
+/// callback runs it to the end and leaves the process's exit code in `exit_code`: 0 all went well,
+/// 1 something failed while it ran, 2 the user gave something wrong (then one sentence has gone to
+/// stderr). `exit_code` must outlive the parsing of the command line.
+void add_play(CLI::App& app, int& exit_code);
+void add_region(CLI::App& app, int& exit_code);
+void add_gateway(CLI::App& app, int& exit_code);
+void add_status(CLI::App& app, int& exit_code);
+void add_bench(CLI::App& app, int& exit_code);
+
+inline constexpr int exit_ok = 0;
+inline constexpr int exit_failed = 1;
+inline constexpr int exit_usage = 2;
+
+}  // namespace aureole

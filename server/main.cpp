@@ -1,0 +1,44 @@
+// The one executable: reads the command line and hands over to a subcommand.
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+
+#include "server/commands/commands.h"
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Aureole keeps one physical world running on many servers and shows it in a browser.\n"
+      "Start with `aureole play`; every subcommand explains itself with --help.");
+  app.set_version_flag("--version", fmt::format("aureole {}", AUREOLE_VERSION));
+  app.require_subcommand(1);
+  app.fallthrough(false);
+
+  int exit_code = aureole::exit_ok;
+  aureole::add_play(app, exit_code);
+  aureole::add_status(app, exit_code);
+#ifdef AUREOLE_HAS_REGION
+  aureole::add_region(app, exit_code);
+#endif
+#ifdef AUREOLE_HAS_GATEWAY
+  aureole::add_gateway(app, exit_code);
+#endif
+#ifdef AUREOLE_HAS_BENCH
+  aureole::add_bench(app, exit_code);
+#endif
+
+  if (argc == 1) {
+    fmt::print("{}", app.help());
+    return aureole::exit_usage;
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& asked) {  // --help and --version end the parsing this way
+    return app.exit(asked);
+  } catch (const CLI::ParseError& wrong) {
+    fmt::print(
+        stderr, "aureole: {} (see `aureole {}--help`)\n", wrong.what(),
+        app.get_subcommands().empty() ? "" : app.get_subcommands().front()->get_name() + " ");
+    return aureole::exit_usage;
+  }
+  return exit_code;
+}

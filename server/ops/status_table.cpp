@@ -1,0 +1,66 @@
+// JSON in, text out; see status_table.h.
+#include "server/ops/status_table.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace aureole {
+namespace {
+
+/// A name from another server, safe to print: control characters could steer the terminal.
+std::string printable(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 127; }, '?');
+  return text;
+}
+
+RegionStatus region_from(const nlohmann::json& json) {
+  RegionStatus out;
+  out.name = printable(json.at("name").get<std::string>());
+  out.up = json.at("up").get<bool>();
+  out.bodies = json.at("bodies").get<std::int64_t>();
+  out.awake = json.at("awake").get<std::int64_t>();
+  out.frame_ms_p50 = json.at("frame_ms_p50").get<double>();
+  out.frame_ms_max = json.at("frame_ms_max").get<double>();
+  out.migrations_in = json.at("migrations_in").get<std::int64_t>();
+  out.migrations_out = json.at("migrations_out").get<std::int64_t>();
+  return out;
+}
+
+}  // namespace
+
+Result<WorldStatus> parse_world_status(const std::string& json) {
+  try {
+    const auto parsed = nlohmann::json::parse(json);
+    WorldStatus out;
+    out.world_time_s = parsed.at("world_time_s").get<double>();
+    out.bodies = parsed.at("bodies").get<std::int64_t>();
+    out.players = parsed.at("players").get<std::int64_t>();
+    for (const auto& region : parsed.at("regions")) out.regions.push_back(region_from(region));
+    return out;
+  } catch (const nlohmann::json::exception& wrong) {
+    return Error::format("that is not the status of a world: {}", wrong.what());
+  }
+}
+
+bool all_up(const WorldStatus& status) {
+  return std::all_of(status.regions.begin(), status.regions.end(),
+                     [](const RegionStatus& r) { return r.up; });
+}
+
+std::string status_table(const WorldStatus& status) {
+  std::string out = fmt::format("world time {:.1f} s, {} bodies, {} players\n", status.world_time_s,
+                                status.bodies, status.players);
+  std::size_t width = 6;
+  for (const auto& r : status.regions) width = std::max(width, r.name.size());
+  out += fmt::format("{:<{}}  {:<4}  {:>7}  {:>7}  {:>8}  {:>8}  {:>8}  {:>8}\n", "region", width,
+                     "", "bodies", "awake", "p50 ms", "max ms", "came in", "went out");
+  for (const auto& r : status.regions) {
+    out += fmt::format("{:<{}}  {:<4}  {:>7}  {:>7}  {:>8.2f}  {:>8.2f}  {:>8}  {:>8}\n", r.name,
+                       width, r.up ? "up" : "DOWN", r.bodies, r.awake, r.frame_ms_p50,
+                       r.frame_ms_max, r.migrations_in, r.migrations_out);
+  }
+  return out;
+}
+
+}  // namespace aureole

@@ -1,0 +1,35 @@
+// The JSON of /api/status, read back and laid out for a terminal.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "server/base/result.h"
+
+namespace aureole {
+
+struct RegionStatus {
+  std::string name;
+  bool up = false;
+  std::int64_t bodies = 0, awake = 0;
+  double frame_ms_p50 = 0, frame_ms_max = 0;
+  std::int64_t migrations_in = 0, migrations_out = 0;
+};
+
+struct WorldStatus {
+  double world_time_s = 0;
+  std::int64_t bodies = 0, players = 0;
+  std::vector<RegionStatus> regions;
+};
+
+/// Errors: not JSON, or a field is missing or of the wrong kind. Fields that it does not know are
+/// left out, so that older clients can read newer gateways.
+Result<WorldStatus> parse_world_status(const std::string& json);
+
+bool all_up(const WorldStatus& status);
+
+/// One line for the world, one for each region, columns aligned; ends with a line end.
+std::string status_table(const WorldStatus& status);
+
+}  // namespace aureole

@@ -1,0 +1,34 @@
+// The status of a world, from the gateway's JSON to a table.
+#include "server/ops/status_table.h"
+#include "tests/support/catch.h"
+
+using namespace aureole;
+
+namespace {
+const std::string two_regions = R"({"world_time_s": 12.34, "bodies": 7, "players": 1, "newer": [],
+  "regions": [
+    {"name": "north", "up": true, "bodies": 4, "awake": 2, "frame_ms_p50": 1.25,
+     "frame_ms_max": 9.5, "migrations_in": 3, "migrations_out": 1},
+    {"name": "south\u001b[2J", "up": false, "bodies": 3, "awake": 0, "frame_ms_p50": 0,
+     "frame_ms_max": 0, "migrations_in": 1, "migrations_out": 3}]})";
+}
+
+TEST_CASE("a table shows the world, then one line for each region") {
+  const auto status = parse_world_status(two_regions);
+  REQUIRE(status);
+  REQUIRE_FALSE(all_up(*status));
+  REQUIRE(status_table(*status) ==
+          "world time 12.3 s, 7 bodies, 1 players\n"
+          "region            bodies    awake    p50 ms    max ms   came in  went out\n"
+          "north      up          4        2      1.25      9.50         3         1\n"
+          "south?[2J  DOWN        3        0      0.00      0.00         1         3\n");
+}
+
+TEST_CASE("what is not a status is an error that says why") {
+  REQUIRE_FALSE(parse_world_status("<html>"));
+  REQUIRE_FALSE(parse_world_status("{}"));
+  REQUIRE_FALSE(parse_world_status("[1]"));
+  std::string wrong_kind = two_regions;
+  wrong_kind.replace(wrong_kind.find("true"), 4, "\"up\"");
+  REQUIRE_FALSE(parse_world_status(wrong_kind));
+}
