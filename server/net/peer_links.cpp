@@ -1,0 +1,400 @@
+// Keeps links to all peers: accepts, dials with back-off, introduces, measures, hands frames on.
+#include "server/net/peer_links.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <boost/asio/connect.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <charconv>
+#include <chrono>
+#include <deque>
+#include <map>
+#include <random>
+
+#include "protocol/wire.h"
+#include "server/net/handshake.h"
+#include "server/net/link.h"
+
+namespace aureole {
+namespace {
+
+using boost::asio::ip::tcp;
+using boost::system::error_code;
+using namespace std::chrono_literals;
+
+constexpr auto handshake_time = 3s;
+constexpr auto dial_pause_min = 50ms;
+constexpr auto dial_pause_max = 2000ms;
+/// Links are measured often at first, so that the clock is right soon, and steadily afterwards.
+constexpr auto measure_pause_first = 20ms;
+constexpr auto measure_pause = 250ms;
+constexpr int measure_first_count = 16;
+constexpr std::size_t round_trips_kept = 16;
+constexpr std::size_t strangers_max = 256;
+
+}  // namespace
+
+std::int64_t monotonic_us() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+Result<Endpoint> parse_endpoint(const std::string& text) {
+  const auto colon = text.rfind(':');
+  std::string host = colon == std::string::npos ? "" : text.substr(0, colon);
+  if (host.size() >= 2 && host.front() == '[' && host.back() == ']')
+    host = host.substr(1, host.size() - 2);
+  else if (host.find(':') != std::string::npos)
+    host.clear();
+  unsigned port = 65'536;
+  if (colon != std::string::npos) {
+    const char* end = text.data() + text.size();
+    const auto [stop, ec] = std::from_chars(text.data() + colon + 1, end, port);
+    if (ec != std::errc{} || stop != end) port = 65'536;
+  }
+  if (host.empty() || port > 65'535)
+    return Error::format("\"{}\" is no address; expected host:port, for example 127.0.0.1:7000",
+                         text);
+  return Endpoint{host, static_cast<std::uint16_t>(port)};
+}
+
+struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
+  struct Established {
+    std::shared_ptr<Link> link;
+    std::deque<std::int64_t> round_trips_us;
+  };
+  struct Dialler {
+    PeerAddress address;
+    tcp::resolver resolver;
+    boost::asio::steady_timer timer;
+    std::chrono::milliseconds pause = dial_pause_min;
+    std::string last_failure;  ///< Said once, not at each try.
+    Dialler(boost::asio::io_context& io, PeerAddress at)
+        : address(std::move(at)), resolver(io), timer(io) {}
+  };
+  using DiallerPtr = std::shared_ptr<Dialler>;
+
+  boost::asio::io_context& io;
+  PeerLinksOptions options;
+  WorldClock& clock;
+  Events events;
+  tcp::acceptor acceptor;
+  boost::asio::steady_timer accept_timer;
+  boost::asio::steady_timer measure_timer;
+  int measured = 0;
+  std::vector<DiallerPtr> diallers;
+  std::map<PeerId, Established> peers;
+  std::map<PeerId, Incarnation> met;
+  std::map<Link*, std::shared_ptr<Link>> strangers;  ///< In their handshake.
+  std::minstd_rand jitter{std::random_device{}()};
+  bool stopped = false;
+
+  Impl(boost::asio::io_context& context, PeerLinksOptions o, WorldClock& c, Events e)
+      : io(context),
+        options(std::move(o)),
+        clock(c),
+        events(std::move(e)),
+        acceptor(context),
+        accept_timer(context),
+        measure_timer(context) {}
+
+  bool running() const { return events.running && events.running(); }
+  Incarnation met_before(PeerId peer) const {
+    const auto it = met.find(peer);
+    return it == met.end() ? Incarnation{} : it->second;
+  }
+
+  // ---- Accepting -------------------------------------------------------------------------------
+
+  void accept() {
+    acceptor.async_accept([self = shared_from_this()](const error_code& ec, tcp::socket socket) {
+      if (self->stopped) return;
+      if (ec) {
+        // Out of descriptors, most likely: a pause, then on.
+        spdlog::warn("cannot accept a connection: {}", ec.message());
+        self->accept_timer.expires_after(200ms);
+        self->accept_timer.async_wait([self](const error_code& e) {
+          if (!e && !self->stopped) self->accept();
+        });
+        return;
+      }
+      if (self->strangers.size() < strangers_max)
+        self->introduce(std::make_shared<Link>(std::move(socket), self->options.max_queued_bytes),
+                        nullptr);
+      self->accept();
+    });
+  }
+
+  // ---- Dialling --------------------------------------------------------------------------------
+
+  void dial(const DiallerPtr& dialler) {
+    if (stopped || peers.contains(dialler->address.peer)) return;
+    dialler->resolver.async_resolve(
+        dialler->address.at.host, std::to_string(dialler->address.at.port),
+        [self = shared_from_this(), dialler](const error_code& ec, auto found) {
+          if (self->stopped) return;
+          if (ec) return self->dial_later(dialler, ec.message());
+          auto socket = std::make_shared<tcp::socket>(self->io);
+          boost::asio::async_connect(
+              *socket, found, [self, dialler, socket](const error_code& e, const tcp::endpoint&) {
+                if (self->stopped) return;
+                if (e) return self->dial_later(dialler, e.message());
+                self->introduce(
+                    std::make_shared<Link>(std::move(*socket), self->options.max_queued_bytes),
+                    dialler);
+              });
+        });
+  }
+
+  void dial_later(const DiallerPtr& dialler, const std::string& why) {
+    if (stopped) return;
+    if (why != dialler->last_failure) {
+      spdlog::info("{} at {}:{} does not answer yet ({}); trying on", describe(dialler->address.peer),
+                   dialler->address.at.host, dialler->address.at.port, why);
+      dialler->last_failure = why;
+    }
+    const auto pause = dialler->pause.count();
+    dialler->timer.expires_after(std::chrono::milliseconds(
+        pause / 2 + std::uniform_int_distribution<std::int64_t>(0, pause / 2)(jitter)));
+    dialler->pause = std::min(dialler->pause * 2, std::chrono::milliseconds(dial_pause_max));
+    dialler->timer.async_wait([self = shared_from_this(), dialler](const error_code& ec) {
+      if (!ec) self->dial(dialler);
+    });
+  }
+
+  // ---- Handshake -------------------------------------------------------------------------------
+
+  /// The dialling side speaks first; the other answers once it knows whom it talks to.
+  void introduce(const std::shared_ptr<Link>& link, const DiallerPtr& dialler) {
+    strangers[link.get()] = link;
+    auto timer = std::make_shared<boost::asio::steady_timer>(io);
+    timer->expires_after(handshake_time);
+    timer->async_wait([self = shared_from_this(), raw = link.get()](const error_code& ec) {
+      if (ec) return;
+      if (auto it = self->strangers.find(raw); it != self->strangers.end())
+        std::shared_ptr<Link>(it->second)->close("it did not introduce itself in time");
+    });
+    auto peer = std::make_shared<std::optional<PeerId>>();
+    const std::weak_ptr<Impl> weak = shared_from_this();
+    link->start({
+        [weak, link = link.get(), dialler, timer, peer](Frame frame) -> Status {
+          const auto self = weak.lock();
+          if (!self || self->stopped) return Error{"stopping"};
+          if (*peer) return self->take(**peer, std::move(frame));
+          timer->cancel();
+          self->meet(link->shared_from_this(), dialler, frame, *peer);
+          return Ok{};
+        },
+        [weak, link = link.get(), dialler, timer, peer](const std::string& reason) {
+          timer->cancel();
+          if (const auto self = weak.lock(); self && !self->stopped)
+            self->ended(link, *peer, dialler, reason);
+        },
+    });
+    if (dialler)
+      link->send(make_hello(options, met_before(dialler->address.peer), running()));
+  }
+
+  /// Judges the other side's first frame; sets `known`, or closes the link.
+  void meet(const std::shared_ptr<Link>& link, const DiallerPtr& dialler, const Frame& frame,
+            std::optional<PeerId>& known) {
+    if (frame.type == FrameType::refusal) {
+      const std::string reason = read_refusal(frame);
+      if (dialler) {
+        dialler->pause = dial_pause_max;
+        if (events.refused) events.refused(dialler->address.peer, reason);
+      }
+      return link->close("it refused us: " + reason);
+    }
+    auto introduction = frame.type == FrameType::hello
+                            ? read_hello(frame, options)
+                            : Result<Introduction>(Error{"the first message is no hello"});
+    if (introduction && dialler && introduction->peer != dialler->address.peer)
+      introduction = Error::format("{} answered where {} was expected: check the addresses",
+                                   describe(introduction->peer), describe(dialler->address.peer));
+    if (introduction && introduction->hello.incarnation < met_before(introduction->peer))
+      introduction = Error::format("a newer start of {} is known", describe(introduction->peer));
+    if (!introduction) {
+      spdlog::warn("refused the server at {}: {}", link->remote(), introduction.error().message);
+      if (dialler) dialler->pause = dial_pause_max;
+      return link->close_after(make_refusal(introduction.error().message),
+                               introduction.error().message);
+    }
+    const PeerId peer = introduction->peer;
+    if (!dialler) link->send(make_hello(options, met_before(peer), running()));
+    if (dialler) {
+      dialler->pause = dial_pause_min;
+      dialler->last_failure.clear();
+    }
+    known = peer;
+    establish(peer, link, introduction->hello);
+  }
+
+  void establish(PeerId peer, const std::shared_ptr<Link>& link, const PeerHello& hello) {
+    strangers.erase(link.get());
+    link->allow_payload(max_payload_bytes);
+    // A peer that comes again has lost the old link, whatever we think of it.
+    if (auto old = peers.find(peer); old != peers.end()) {
+      const auto replaced = old->second.link;
+      replaced->close("it has connected anew");
+    }
+    met[peer] = hello.incarnation;
+    peers[peer] = {link, {}};
+    measured = 0;
+    measure_timer.cancel();
+    measure();
+    spdlog::info("linked with {} at {}", describe(peer), link->remote());
+    events.up(peer, hello);
+  }
+
+  void ended(Link* link, std::optional<PeerId> peer, const DiallerPtr& dialler,
+             const std::string& reason) {
+    strangers.erase(link);
+    if (peer) {
+      const auto it = peers.find(*peer);
+      if (it != peers.end() && it->second.link.get() == link) {
+        peers.erase(it);
+        spdlog::warn("lost {}: {}", describe(*peer), reason);
+        events.down(*peer, reason);
+      }
+    }
+    if (dialler) dial_later(dialler, reason);
+  }
+
+  // ---- Established -----------------------------------------------------------------------------
+
+  std::optional<PeerId> reference() const {
+    // Ascending: the first region is the one with the lowest id.
+    if (peers.empty() || !peers.begin()->first.is_region()) return {};
+    const PeerId lowest = peers.begin()->first;
+    if (options.self.is_region() && options.self < lowest) return {};
+    return lowest;
+  }
+
+  Status take(PeerId peer, Frame frame) {
+    switch (frame.type) {
+      case FrameType::time_request: {
+        const auto* request = verified<wire::TimeRequest>(frame.payload);
+        if (request == nullptr) return Error{"a time request is not a valid message"};
+        const auto world = clock.world_us(monotonic_us());
+        flatbuffers::FlatBufferBuilder builder(64);
+        send(peer, std::make_shared<const Bytes>(finish_frame(
+                       builder,
+                       wire::CreateTimeReply(builder, request->sent_us(), world.value_or(0),
+                                             world.has_value() && running()),
+                       FrameType::time_reply)));
+        return Ok{};
+      }
+      case FrameType::time_reply: {
+        const auto* reply = verified<wire::TimeReply>(frame.payload);
+        if (reply == nullptr) return Error{"a time reply is not a valid message"};
+        const std::int64_t heard = monotonic_us();
+        if (reply->sent_us() > heard || heard - reply->sent_us() > 60'000'000)
+          return Error{"a time reply to a question that was not asked"};
+        auto& trips = peers.at(peer).round_trips_us;
+        trips.push_back(heard - reply->sent_us());
+        if (trips.size() > round_trips_kept) trips.pop_front();
+        // World time stays below 2^53 µs (285 years), whatever a peer says.
+        const bool sane = reply->world_us() >= 0 && reply->world_us() < (std::int64_t{1} << 53);
+        if (reply->running() && sane && reference() == peer)
+          clock.add_sample(reply->sent_us(), reply->world_us(), heard);
+        return Ok{};
+      }
+      case FrameType::hello:
+        return Error{"a second hello on one link"};
+      case FrameType::refusal:
+        return Error{"it refused us: " + read_refusal(frame)};
+      default:
+        return events.frame(peer, std::move(frame));
+    }
+  }
+
+  void measure() {
+    if (stopped) return;
+    std::vector<std::shared_ptr<Link>> links;  // Sending may close a link and change the map.
+    for (const auto& [peer, established] : peers) links.push_back(established.link);
+    for (const auto& link : links) {
+      flatbuffers::FlatBufferBuilder builder(64);
+      link->send(std::make_shared<const Bytes>(
+          finish_frame(builder, wire::CreateTimeRequest(builder, monotonic_us()),
+                       FrameType::time_request)));
+    }
+    measure_timer.expires_after(measured++ < measure_first_count ? measure_pause_first
+                                                                 : measure_pause);
+    measure_timer.async_wait([weak = weak_from_this()](const error_code& ec) {
+      if (ec) return;
+      if (const auto self = weak.lock()) self->measure();
+    });
+  }
+
+  void send(PeerId to, SharedBytes frame) {
+    const auto it = peers.find(to);
+    if (it == peers.end()) return;
+    // Sending can close the link and with it erase our entry.
+    const auto link = it->second.link;
+    link->send(std::move(frame));
+  }
+
+  void stop() {
+    if (stopped) return;
+    stopped = true;
+    error_code ec;
+    acceptor.close(ec);
+    accept_timer.cancel();
+    measure_timer.cancel();
+    for (const auto& dialler : diallers) {
+      dialler->resolver.cancel();
+      dialler->timer.cancel();
+    }
+    for (const auto& [peer, established] : std::map(peers)) established.link->close("stopping");
+    for (const auto& [raw, link] : std::map(strangers)) link->close("stopping");
+    peers.clear();
+    strangers.clear();
+  }
+};
+
+PeerLinks::PeerLinks(boost::asio::io_context& io, PeerLinksOptions options, WorldClock& clock,
+                     Events events)
+    : impl_(std::make_shared<Impl>(io, std::move(options), clock, std::move(events))) {}
+
+PeerLinks::~PeerLinks() { impl_->stop(); }
+
+Result<std::uint16_t> PeerLinks::listen(const Endpoint& at) {
+  error_code ec;
+  const auto address = boost::asio::ip::make_address(at.host, ec);
+  if (ec)
+    return Error::format("cannot listen on \"{}\": expected an IP address such as 127.0.0.1",
+                         at.host);
+  const tcp::endpoint endpoint(address, at.port);
+  impl_->acceptor.open(endpoint.protocol(), ec);
+  if (!ec) impl_->acceptor.set_option(tcp::acceptor::reuse_address(true), ec);
+  if (!ec) impl_->acceptor.bind(endpoint, ec);
+  if (!ec) impl_->acceptor.listen(tcp::acceptor::max_listen_connections, ec);
+  if (ec) return Error::format("cannot listen on {}:{}: {}", at.host, at.port, ec.message());
+  impl_->accept();
+  return impl_->acceptor.local_endpoint().port();
+}
+
+void PeerLinks::start() {
+  for (const auto& address : impl_->options.dial) {
+    impl_->diallers.push_back(std::make_shared<Impl::Dialler>(impl_->io, address));
+    impl_->dial(impl_->diallers.back());
+  }
+}
+
+void PeerLinks::stop() { impl_->stop(); }
+
+void PeerLinks::send(PeerId to, SharedBytes frame) { impl_->send(to, std::move(frame)); }
+
+bool PeerLinks::is_linked(PeerId peer) const { return impl_->peers.contains(peer); }
+
+std::int64_t PeerLinks::round_trip_us(PeerId peer) const {
+  const auto it = impl_->peers.find(peer);
+  if (it == impl_->peers.end() || it->second.round_trips_us.empty()) return 0;
+  return *std::min_element(it->second.round_trips_us.begin(), it->second.round_trips_us.end());
+}
+
+}  // namespace aureole

@@ -1,0 +1,196 @@
+// The shell around a RegionCore: links feed it, a clock steps it, its outbox goes back to the links.
+#include "server/net/region_server.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+#include "server/net/handshake.h"
+#include "server/ops/frame_statistics.h"
+#include "server/region/region_core.h"
+
+namespace aureole {
+namespace {
+
+using boost::system::error_code;
+
+/// A server that falls behind may take this many steps in the time of one…
+constexpr int catch_up_steps_max = 2;
+/// … and once it is this far behind it leaves ticks out: it never pretends.
+constexpr std::int64_t behind_ticks_max = 8;
+/// Overruns are counted one by one and told of in one line for this many ticks (5 s).
+constexpr std::int64_t report_interval_ticks = 312;
+
+}  // namespace
+
+struct RegionServer::Impl {
+  boost::asio::io_context& io;
+  RegionServerOptions options;
+  std::function<void(const std::string&)> failed;
+  std::size_t region_count;
+  RegionCore core;
+  WorldClock clock;
+  std::optional<PeerLinks> links;
+  boost::asio::steady_timer timer;
+  FrameStatistics frames{tick_us};
+  bool begun = false;
+  bool stopped = false;
+  Tick next_tick;
+  std::uint64_t skipped_ticks = 0;
+  std::uint64_t reported_overruns = 0;
+  std::uint64_t reported_skipped = 0;
+
+  Impl(boost::asio::io_context& context, const WorldDefinition& world, RegionServerOptions o,
+       std::function<void(const std::string&)> on_failure)
+      : io(context),
+        options(std::move(o)),
+        failed(std::move(on_failure)),
+        region_count(world.regions.size()),
+        core(world, options.self, options.incarnation),
+        timer(context) {
+    PeerLinksOptions link_options;
+    link_options.self = PeerId::region(options.self);
+    link_options.incarnation = options.incarnation;
+    link_options.world_hash = world.hash;
+    for (const PeerAddress& address : options.regions)
+      if (address.peer < link_options.self) link_options.dial.push_back(address);
+    links.emplace(io, std::move(link_options), clock,
+                  PeerLinks::Events{
+                      [this](PeerId peer, const PeerHello& hello) { up(peer, hello); },
+                      [this](PeerId peer, const std::string&) { core.peer_down(peer); },
+                      [this](PeerId peer, const Frame& frame) { return core.receive(peer, frame); },
+                      [this] { return begun; },
+                      [this](PeerId peer, const std::string& reason) {
+                        fail(fmt::format("{} refused this server: {}", describe(peer), reason));
+                      },
+                  });
+  }
+
+  void fail(const std::string& why) {
+    if (stopped) return;
+    stop();
+    failed(why);
+  }
+
+  void stop() {
+    stopped = true;
+    timer.cancel();
+    links->stop();
+  }
+
+  void up(PeerId peer, const PeerHello& hello) {
+    if (peer.is_region() && peer.value >= region_count) {
+      spdlog::error("{} is linked, but this world has {} regions", describe(peer), region_count);
+      return;
+    }
+    const bool knows_another_start = hello.known_incarnation != Incarnation{} &&
+                                     hello.known_incarnation != options.incarnation;
+    if (!begun && knows_another_start)
+      return fail(fmt::format(
+          "{} still knows an earlier start of r{}, whose bodies are gone: a lost region cannot be "
+          "recovered in this version; stop all servers of this world and start them together",
+          describe(peer), options.self.value));
+    core.peer_up(peer, hello.incarnation);
+    if (!begun) begin_if_ready();
+  }
+
+  bool all_linked() const {
+    for (std::size_t i = 0; i < region_count; ++i) {
+      const PeerId peer = PeerId::region(RegionId{static_cast<std::uint16_t>(i)});
+      if (i != options.self.value && !links->is_linked(peer)) return false;
+    }
+    return true;
+  }
+
+  void begin_if_ready() {
+    if (begun || stopped) return;
+    if (options.self.value == 0 && all_linked()) clock.start_as_reference(monotonic_us(), 0);
+    if (!clock.is_set() || !all_linked()) return;
+    begun = true;
+    next_tick = Tick{*clock.world_us(monotonic_us()) / tick_us + 1};
+    spdlog::info("the world runs: tick {}, {} bodies of the world file are ours to host",
+                 next_tick.value, core.physics().size());
+    wait_until(clock.local_us(next_tick.value * tick_us));
+  }
+
+  /// Until region 0 has set the clock, asks again and again.
+  void await_beginning() {
+    if (begun || stopped) return;
+    begin_if_ready();
+    if (begun) return;
+    timer.expires_after(std::chrono::milliseconds(5));
+    timer.async_wait([this](const error_code& ec) {
+      if (!ec) await_beginning();
+    });
+  }
+
+  void wait_until(std::int64_t local_us) {
+    timer.expires_at(std::chrono::steady_clock::time_point(std::chrono::microseconds(local_us)));
+    timer.async_wait([this](const error_code& ec) {
+      if (!ec && !stopped) wake();
+    });
+  }
+
+  void wake() {
+    const std::int64_t woken_us = monotonic_us();
+    const auto due = [&] { return *clock.world_us(monotonic_us()) / tick_us; };
+    int steps = 0;
+    while (next_tick.value <= due() && steps < catch_up_steps_max) {
+      step();
+      ++steps;
+    }
+    if (due() - next_tick.value > behind_ticks_max) {
+      const std::int64_t left_out = due() - next_tick.value;
+      skipped_ticks += static_cast<std::uint64_t>(left_out);
+      next_tick = next_tick + left_out;
+    }
+    report();
+    const std::int64_t earliest = steps == catch_up_steps_max ? woken_us + tick_us : 0;
+    wait_until(std::max(earliest, clock.local_us(next_tick.value * tick_us)));
+  }
+
+  void step() {
+    const std::int64_t from_us = monotonic_us();
+    core.step(next_tick, {static_cast<std::uint32_t>(std::lround(frames.p50_ms() * 1000)),
+                          static_cast<std::uint32_t>(std::lround(frames.max_ms() * 1000)),
+                          frames.overruns(), skipped_ticks});
+    for (const Outgoing& out : core.outbox()) links->send(out.to, out.frame);
+    frames.add(monotonic_us() - from_us);
+    next_tick = next_tick + 1;
+  }
+
+  void report() {
+    if (next_tick.value % report_interval_ticks != 0) return;
+    const std::uint64_t overruns = frames.overruns() - reported_overruns;
+    const std::uint64_t skipped = skipped_ticks - reported_skipped;
+    if (overruns + skipped > 0)
+      spdlog::warn("outside the frame-time tolerance: {} steps of the last 5 s took longer than 16 ms "
+                   "(the longest {:.1f} ms), {} ticks were left out, at tick {}",
+                   overruns, frames.max_ms(), skipped, next_tick.value);
+    reported_overruns = frames.overruns();
+    reported_skipped = skipped_ticks;
+  }
+};
+
+RegionServer::RegionServer(boost::asio::io_context& io, const WorldDefinition& world,
+                           RegionServerOptions options,
+                           std::function<void(const std::string&)> failed)
+    : impl_(std::make_unique<Impl>(io, world, std::move(options), std::move(failed))) {}
+
+RegionServer::~RegionServer() = default;
+
+Result<std::uint16_t> RegionServer::start() {
+  auto port = impl_->links->listen(impl_->options.listen);
+  if (!port) return port;
+  impl_->links->start();
+  impl_->await_beginning();
+  return port;
+}
+
+void RegionServer::stop() { impl_->stop(); }
+
+}  // namespace aureole

@@ -1,0 +1,31 @@
+// Makes up the time that a group spent in flight: steps it in a small world of its own to our tick.
+#pragma once
+
+#include <span>
+
+#include "server/base/tick.h"
+#include "server/physics/physics_world.h"
+#include "server/region/avatar.h"
+#include "server/region/effects.h"
+#include "server/region/handoff.h"
+
+namespace aureole {
+
+/// What a group may meet on its way.
+struct CatchUpSurroundings {
+  const PhysicsSettings& settings;
+  std::span<const BodyDefinition> prototypes;
+  std::span<const StaticDefinition> statics;
+  const PhysicsWorld& host;             ///< Its state is of tick `host_tick`.
+  Tick host_tick;
+  std::span<const BlastEffect> blasts;  ///< Recent ones, by tick.
+  const AvatarTuning& tuning;
+};
+
+/// Brings `group` from its own tick to `host_tick`. Bullet cannot step a part of a world, so this
+/// happens in a scratch world: the group with its contacts, the static geometry, and what stands in
+/// the way as obstacles that fly on as they fly now. Asleep groups are returned as they are.
+/// Source: paper notes 2 (the gap in time).
+void catch_up(HandoffGroup& group, const CatchUpSurroundings& around);
+
+}  // namespace aureole

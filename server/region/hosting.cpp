@@ -1,0 +1,113 @@
+// Bodies coming into a region and leaving it, with everything that belongs to them kept in step.
+#include "server/region/hosting.h"
+
+#include <algorithm>
+
+#include "server/base/check.h"
+#include "server/base/hash.h"
+
+namespace aureole {
+namespace {
+
+/// So long ago that no policy holds a newborn body back.
+constexpr Tick never_changed{-1'000'000};
+
+std::vector<BodyDefinition> definitions_of(const WorldDefinition& world) {
+  std::vector<BodyDefinition> all;
+  for (const auto& prototype : world.prototypes) all.push_back(prototype.body);
+  return all;
+}
+
+std::vector<StaticDefinition> statics_of(const WorldDefinition& world) {
+  std::vector<StaticDefinition> all;
+  for (const auto& piece : world.statics) all.push_back(piece.body);
+  return all;
+}
+
+}  // namespace
+
+Hosting::Hosting(const WorldDefinition& world, RegionId self, Incarnation incarnation)
+    : self_(self),
+      incarnation_(incarnation),
+      definitions_(definitions_of(world)),
+      statics_(statics_of(world)),
+      physics_(world.physics, definitions_, statics_) {}
+
+void Hosting::spawn(std::span<const NewBody> bodies) {
+  if (bodies.empty()) return;
+  physics_.add(bodies);
+  for (const NewBody& body : bodies) {
+    records_.emplace(body.id, Record{1, never_changed});
+    publisher_.body_gained(body.id, version(body.id));
+  }
+  counts_.spawned += bodies.size();
+}
+
+void Hosting::remove(std::span<const BodyId> ids) {
+  if (ids.empty()) return;
+  for (BodyId id : ids) {
+    publisher_.body_removed(id, version(id));
+    records_.erase(id);
+  }
+  physics_.remove(ids);
+  counts_.removed += ids.size();
+}
+
+HandoffGroup Hosting::release(std::span<const BodyId> ids, Tick now) {
+  HandoffGroup group;
+  group.tick = now;
+  group.contacts = physics_.contacts_within(ids);
+  for (BodyId id : ids)
+    group.bodies.push_back({{id, physics_.prototype(id), physics_.state(id)}, epoch(id)});
+  std::sort(group.bodies.begin(), group.bodies.end(),
+            [](const auto& a, const auto& b) { return a.body.id < b.body.id; });
+  physics_.remove(ids);
+  for (BodyId id : ids) {
+    publisher_.body_lost(id);
+    records_.erase(id);
+  }
+  counts_.migrations_out += ids.size();
+  return group;
+}
+
+std::vector<BodyId> Hosting::accept(const HandoffGroup& group, Tick now) {
+  std::vector<NewBody> taken;
+  std::vector<BodyId> ids;
+  for (const auto& arriving : group.bodies) {
+    const BodyId id = arriving.body.id;
+    if (const auto it = records_.find(id); it != records_.end()) {
+      ++counts_.version_conflicts;
+      if (it->second.epoch > arriving.epoch) continue;
+      publisher_.body_lost(id);
+      physics_.remove(std::span(&id, 1));
+      records_.erase(it);
+    }
+    taken.push_back(arriving.body);
+    ids.push_back(id);
+    records_.emplace(id, Record{arriving.epoch + 1, now});
+  }
+  physics_.add(taken);
+  for (BodyId id : ids) publisher_.body_gained(id, version(id));
+
+  std::vector<ContactManifold> contacts;
+  const auto is_taken = [&](BodyId id) { return std::binary_search(ids.begin(), ids.end(), id); };
+  for (const auto& manifold : group.contacts) {
+    const auto* other = std::get_if<BodyId>(&manifold.b);
+    if (is_taken(manifold.a) && (other == nullptr || is_taken(*other))) contacts.push_back(manifold);
+  }
+  physics_.install_contacts(contacts);
+  counts_.migrations_in += ids.size();
+  return ids;
+}
+
+std::uint64_t Hosting::state_hash() const {
+  Hasher hasher;
+  hasher.add(physics_.state_hash());
+  for (BodyId id : physics_.ids()) {
+    const Record& record = records_.at(id);
+    hasher.add(record.epoch).add(record.changed_owner.value);
+  }
+  return hasher.value();
+}
+
+}  // namespace aureole

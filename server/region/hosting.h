@@ -1,0 +1,68 @@
+// The bodies that this region simulates: their physics, their versions, and what gateways hear of them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "server/base/ids.h"
+#include "server/base/tick.h"
+#include "server/physics/physics_world.h"
+#include "server/region/handoff.h"
+#include "server/region/replica_publisher.h"
+#include "server/worlds/world.h"
+
+namespace aureole {
+
+/// Every body that is here is in the physics world, has a version and is published, and nothing else
+/// is: this class is the only one that adds and removes.
+class Hosting {
+ public:
+  Hosting(const WorldDefinition& world, RegionId self, Incarnation incarnation);
+
+  const PhysicsWorld& physics() const { return physics_; }
+  PhysicsWorld& physics() { return physics_; }
+  ReplicaPublisher& publisher() { return publisher_; }
+  std::span<const BodyDefinition> definitions() const { return definitions_; }
+  std::span<const StaticDefinition> statics() const { return statics_; }
+
+  bool hosts(BodyId id) const { return records_.contains(id); }
+  std::uint32_t epoch(BodyId id) const { return records_.at(id).epoch; }
+  Tick changed_owner(BodyId id) const { return records_.at(id).changed_owner; }
+  Version version(BodyId id) const { return {epoch(id), incarnation_, self_}; }
+
+  /// Bodies that come into the world here, in epoch 1.
+  void spawn(std::span<const NewBody> bodies);
+  /// Takes bodies out of the world on purpose.
+  void remove(std::span<const BodyId> ids);
+
+  /// Stops hosting the bodies and returns them with their contacts; avatars are the caller's matter.
+  HandoffGroup release(std::span<const BodyId> ids, Tick now);
+  /// Hosts the group's bodies from now on, one epoch after its sender. Returns the ids taken: bodies
+  /// that are held here in the same or a later epoch are left out and counted as conflicts.
+  std::vector<BodyId> accept(const HandoffGroup& group, Tick now);
+
+  struct Counts {
+    std::uint64_t spawned = 0, removed = 0, migrations_in = 0, migrations_out = 0;
+    std::uint64_t version_conflicts = 0;
+  };
+  const Counts& counts() const { return counts_; }
+  std::uint64_t state_hash() const;
+
+ private:
+  struct Record {
+    std::uint32_t epoch = 1;
+    Tick changed_owner;
+  };
+  RegionId self_;
+  Incarnation incarnation_;
+  std::vector<BodyDefinition> definitions_;
+  std::vector<StaticDefinition> statics_;
+  PhysicsWorld physics_;
+  ReplicaPublisher publisher_;
+  std::unordered_map<BodyId, Record> records_;
+  Counts counts_;
+};
+
+}  // namespace aureole

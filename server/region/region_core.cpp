@@ -1,0 +1,153 @@
+// A region's surroundings: peers that come and go, and messages that are checked and queued.
+#include "server/region/region_core.h"
+
+#include "protocol/wire.h"
+#include "server/base/check.h"
+#include "server/base/hash.h"
+
+namespace aureole {
+namespace {
+
+PartitionMap partition_of(const WorldDefinition& world) {
+  std::vector<Rectangle> areas;
+  for (const auto& region : world.regions) areas.push_back(region.area);
+  return PartitionMap(std::move(areas));
+}
+
+/// Messages of one kind that wait for the next step; far more than honest peers send in one.
+constexpr std::size_t queue_max = 65'536;
+
+}  // namespace
+
+RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation incarnation)
+    : world_(world),
+      self_(self),
+      incarnation_(incarnation),
+      map_(partition_of(world)),
+      policy_(make_naive_policy()),
+      hosting_(world, self, incarnation),
+      players_(world, map_, self, hosting_),
+      injected_(world.injectors.size(), 0) {
+  AUREOLE_CHECK(self.value < world.regions.size(), "a core is one of its world's regions");
+  for (std::size_t i = 0; i < world.regions.size(); ++i)
+    if (i != self.value) peers_[PeerId::region(RegionId{static_cast<std::uint16_t>(i)})];
+}
+
+void RegionCore::peer_up(PeerId id, Incarnation incarnation) {
+  Peer& peer = peers_[id];
+  peer.up = true;
+  if (id.is_region())
+    peer.journal.link_up(incarnation);
+  else
+    peer.wants_whole_state = true;
+}
+
+void RegionCore::peer_down(PeerId id) {
+  const auto it = peers_.find(id);
+  if (it == peers_.end()) return;
+  it->second.up = false;
+  if (id.is_region()) return;
+  players_.gateway_down(static_cast<std::uint16_t>(id.value - PeerId::first_gateway), last_tick_);
+  peers_.erase(it);
+}
+
+Status RegionCore::receive(PeerId from, const Frame& frame) {
+  const auto it = peers_.find(from);
+  AUREOLE_CHECK(it != peers_.end() && it->second.up, "only linked peers send");
+  Peer& peer = it->second;
+
+  if (frame.type == FrameType::commands) {
+    auto commands = decode_commands(frame.payload);
+    if (!commands) return commands.error();
+    if (arrived_commands_.size() + commands->size() > queue_max)
+      return Error{"too many commands at once"};
+    if (from.is_region()) {
+      auto arrival = peer.journal.arrive(frame.sequence);
+      if (!arrival) return arrival.error();
+      if (*arrival == Journal::Arrival::repeated) return Ok{};
+    } else {
+      // A gateway speaks for its own players only under its own number.
+      for (PlayerCommand& c : *commands)
+        c.gateway = static_cast<std::uint16_t>(from.value - PeerId::first_gateway);
+    }
+    arrived_commands_.insert(arrived_commands_.end(), commands->begin(), commands->end());
+    return Ok{};
+  }
+  if (!from.is_region())
+    return Error::format("a gateway sent a message of type {}; expected commands",
+                         static_cast<int>(frame.type));
+  switch (frame.type) {
+    case FrameType::acknowledge: {
+      const auto* message = verified<wire::Acknowledge>(frame.payload);
+      if (message == nullptr) return Error{"an acknowledgement is not a valid message"};
+      return peer.journal.acknowledge(message->sequence());
+    }
+    case FrameType::handoff: {
+      auto group =
+          decode_handoff(frame.payload, hosting_.definitions().size(), hosting_.statics().size());
+      if (!group) return group.error();
+      auto arrival = peer.journal.arrive(frame.sequence);
+      if (!arrival) return arrival.error();
+      if (*arrival == Journal::Arrival::fresh)
+        arrived_groups_.push_back({from.as_region(), std::move(*group)});
+      return Ok{};
+    }
+    case FrameType::effects: {
+      auto effects = decode_effects(frame.payload);
+      if (!effects) return effects.error();
+      auto arrival = peer.journal.arrive(frame.sequence);
+      if (!arrival) return arrival.error();
+      if (*arrival == Journal::Arrival::fresh)
+        arrived_effects_.emplace_back(from.as_region(), std::move(*effects));
+      return Ok{};
+    }
+    case FrameType::region_status: {
+      const auto* message = verified<wire::RegionStatus>(frame.payload);
+      if (message == nullptr) return Error{"a region status is not a valid message"};
+      peer.bodies = message->bodies();
+      return Ok{};
+    }
+    default:
+      return Error::format("a region sent a message of type {}, which regions do not take",
+                           static_cast<int>(frame.type));
+  }
+}
+
+bool RegionCore::has_room(std::size_t more) const {
+  std::size_t known = hosting_.physics().size() + more;
+  for (const auto& [id, peer] : peers_) known += peer.bodies;
+  return known <= world_.max_bodies;
+}
+
+bool RegionCore::is_up(RegionId region) const {
+  const auto it = peers_.find(PeerId::region(region));
+  return it != peers_.end() && it->second.up;
+}
+
+std::uint64_t RegionCore::state_hash() const {
+  Hasher hasher;
+  hasher.add(last_tick_.value).add(hosting_.state_hash());
+  for (const auto& arrived : arrived_groups_)
+    for (const auto& b : arrived.group.bodies) hasher.add(b.body.id.value).add(b.epoch);
+  for (const auto& [id, peer] : peers_)
+    hasher.add(id.value).add(peer.journal.taken()).add(peer.journal.unacknowledged().size());
+  for (const Avatar* avatar : players_.avatars())
+    hasher.add(avatar->player.value).add(avatar->applied_sequence).add(avatar->carried.value);
+  return hasher.value();
+}
+
+RegionStatistics RegionCore::statistics() const {
+  RegionStatistics all = extra_;
+  const Hosting::Counts& counts = hosting_.counts();
+  all.bodies = hosting_.physics().size();
+  all.awake = hosting_.physics().awake_count();
+  all.spawned = counts.spawned;
+  all.removed = counts.removed;
+  all.migrations_in = counts.migrations_in;
+  all.migrations_out = counts.migrations_out;
+  all.version_conflicts = counts.version_conflicts;
+  for (const auto& [id, peer] : peers_) all.unacknowledged += peer.journal.unacknowledged().size();
+  return all;
+}
+
+}  // namespace aureole

@@ -1,0 +1,274 @@
+// One step of a region, in the order that the design lays down.
+#include <algorithm>
+
+#include "protocol/wire.h"
+#include "server/base/check.h"
+#include "server/region/catch_up.h"
+#include "server/region/region_core.h"
+#include "server/worlds/injector.h"
+
+namespace aureole {
+namespace {
+
+/// Blasts are remembered this long for groups that arrive late.
+constexpr std::int64_t remember_blasts_ticks = 128;
+/// A removal waits this long for a body that may be in flight.
+constexpr std::int64_t remember_removals_ticks = 128;
+
+}  // namespace
+
+void RegionCore::step(Tick now, const ShellMeasurements& measured) {
+  AUREOLE_CHECK(!started_ || now > last_tick_, "time goes forwards");
+  outbox_.clear();
+  // A region that was held up leaves ticks out; its bodies are then where they were at the last one,
+  // which is the present as far as arriving groups are concerned.
+  take_in(now);
+  spawn(now);
+  apply_blasts(now);
+  players_.drive(now, player_output_);
+  hosting_.physics().step(tick_s);
+  remove_strays(now);
+  migrate(now);
+  send_player_output();
+  publish(now, measured);
+  last_tick_ = now;
+  started_ = true;
+}
+
+void RegionCore::take_in(Tick now) {
+  take_in_groups(now);
+  take_in_effects(now);
+  take_in_commands(now);
+}
+
+void RegionCore::take_in_groups(Tick now) {
+  const Tick present = now - 1;
+  std::int64_t budget = catch_up_budget;
+  std::deque<Arrived> waiting;
+  for (Arrived& arrived : arrived_groups_) {
+    HandoffGroup& group = arrived.group;
+    const std::int64_t behind = present - group.tick;
+    const std::int64_t steps = std::clamp<std::int64_t>(behind, 0, catch_up_ticks_max);
+    const std::int64_t work = steps * static_cast<std::int64_t>(group.bodies.size());
+    // From our future: waits. Too much for this step: waits too, unless nothing else has been done.
+    if (behind < 0 || (work > budget && budget < catch_up_budget)) {
+      waiting.push_back(std::move(arrived));
+      continue;
+    }
+    budget -= work;
+    group.tick = present - steps;
+    extra_.catch_up_steps += static_cast<std::uint64_t>(steps);
+    const std::vector<BlastEffect> recent(blasts_.begin(), blasts_.end());
+    catch_up(group, {world_.physics, hosting_.definitions(), hosting_.statics(), hosting_.physics(),
+                     present, recent, AvatarTuning{}});
+    const std::vector<BodyId> taken = hosting_.accept(group, now);
+    players_.accept(std::move(group.avatars), taken, now, has_room(1), player_output_);
+    for (BodyId id : taken)
+      if (pending_removals_.erase(id) > 0) remove_somewhere(id, now);
+  }
+  arrived_groups_ = std::move(waiting);
+}
+
+void RegionCore::take_in_effects(Tick now) {
+  for (auto& [from, effects] : arrived_effects_) {
+    for (const BlastEffect& blast : effects.blasts) schedule_blast(blast, now);
+    for (BodyId id : effects.removals) remove_somewhere(id, now);
+    for (const BodyRequest& request : effects.requests) {
+      const bool ours_to_give = hosting_.hosts(request.body) &&
+                                request.body.kind() != BodyId::Kind::avatar &&
+                                players_.carrier_of(request.body) == BodyId{};
+      if (ours_to_give && is_up(from)) emigrate(std::span(&request.body, 1), from, now - 1);
+    }
+  }
+  arrived_effects_.clear();
+  std::erase_if(pending_removals_,
+                [&](const auto& r) { return now - r.second > remember_removals_ticks; });
+}
+
+void RegionCore::take_in_commands(Tick now) {
+  for (const PlayerCommand& command : arrived_commands_)
+    players_.command(command, now, has_room(1), player_output_);
+  arrived_commands_.clear();
+  // Our own blasts take effect here as they do elsewhere.
+  for (const BlastEffect& blast : player_output_.effects.blasts) schedule_blast(blast, now);
+}
+
+void RegionCore::schedule_blast(const BlastEffect& blast, Tick now) {
+  BlastEffect timely = blast;
+  if (timely.tick < now) {
+    ++extra_.late_effects;
+    timely.tick = now;
+  }
+  const auto at = std::upper_bound(
+      blasts_.begin(), blasts_.end(), timely, [](const BlastEffect& a, const BlastEffect& b) {
+        return std::pair(a.tick, a.id) < std::pair(b.tick, b.id);
+      });
+  blasts_.insert(at, timely);
+}
+
+void RegionCore::apply_blasts(Tick now) {
+  for (const BlastEffect& blast : blasts_)
+    if (blast.tick == now) apply_blast(hosting_.physics(), blast);
+  while (!blasts_.empty() && now - blasts_.front().tick > remember_blasts_ticks)
+    blasts_.pop_front();
+}
+
+void RegionCore::remove_somewhere(BodyId body, Tick now) {
+  if (hosting_.hosts(body)) {
+    hosting_.remove(std::span(&body, 1));
+    players_.forget(body);
+  } else {
+    pending_removals_[body] = now;
+  }
+}
+
+void RegionCore::spawn(Tick now) {
+  std::vector<NewBody> born;
+  if (!started_) {
+    for (std::size_t i = 0; i < world_.bodies.size(); ++i) {
+      const WorldBody& body = world_.bodies[i];
+      const WorldPosition& at = body.state.position;
+      const RegionId home = body.host ? *body.host : map_.region_at(at.x, at.z);
+      if (home == self_)
+        born.push_back({BodyId::world(static_cast<std::uint32_t>(i)), body.prototype, body.state});
+    }
+  }
+  for (std::size_t i = 0; i < world_.injectors.size(); ++i) {
+    const Injector& injector = world_.injectors[i];
+    const std::uint64_t made = injected_count(injector, now);
+    for (std::uint64_t n = injected_[i]; n < made; ++n) {
+      const InjectedBody body = injected_body(injector, n);
+      if (map_.region_at(body.state.position.x, body.state.position.z) != self_) continue;
+      if (!has_room(born.size() + 1)) {
+        ++extra_.refused_bodies;
+        continue;
+      }
+      born.push_back({BodyId::injected(static_cast<std::uint16_t>(i), n), body.prototype, body.state});
+    }
+    injected_[i] = made;
+  }
+  hosting_.spawn(born);
+}
+
+void RegionCore::remove_strays(Tick) {
+  std::vector<BodyId> strays;
+  std::vector<PlayerId> fallen;
+  const Box3& bounds = world_.bounds;
+  for (BodyId id : hosting_.physics().ids()) {
+    if (hosting_.physics().is_asleep(id)) continue;
+    const Eigen::Vector3d p = hosting_.physics().position(id).vector();
+    // Written so that a position that is not a number counts as outside.
+    const bool inside =
+        (p.array() >= bounds.min.array()).all() && (p.array() <= bounds.max.array()).all();
+    if (inside) continue;
+    if (id.kind() == BodyId::Kind::avatar && players_.is_avatar_here(id.player()))
+      fallen.push_back(id.player());
+    else
+      strays.push_back(id);
+  }
+  for (PlayerId player : fallen) players_.respawn(player, static_cast<std::uint16_t>(player.value));
+  hosting_.remove(strays);
+  for (BodyId id : strays) players_.forget(id);
+  extra_.removed_strays += strays.size();
+}
+
+void RegionCore::migrate(Tick now) {
+  std::map<BodyId, BodyId> leaders;
+  for (const Avatar* avatar : players_.avatars())
+    if (avatar->carried != BodyId{}) leaders[avatar->carried] = avatar->body();
+
+  std::vector<HostedBody> hosted;
+  const PhysicsWorld& physics = hosting_.physics();
+  for (BodyId id : physics.ids()) {
+    const auto leader = leaders.find(id);
+    hosted.push_back({id, physics.position(id), physics.is_asleep(id),
+                      leader == leaders.end() ? BodyId{} : leader->second,
+                      hosting_.changed_owner(id)});
+  }
+  for (const Migration& migration : policy_->decide(now, self_, map_, hosted)) {
+    // While a region is down, its boundary lets nobody through.
+    if (!is_up(migration.to)) continue;
+    std::span<const BodyId> rest(migration.bodies);
+    while (!rest.empty()) {
+      const std::size_t count = std::min(rest.size(), max_handoff_bodies);
+      emigrate(rest.first(count), migration.to, now);
+      rest = rest.subspan(count);
+    }
+  }
+}
+
+void RegionCore::emigrate(std::span<const BodyId> bodies, RegionId to, Tick now) {
+  HandoffGroup group = hosting_.release(bodies, now);
+  group.avatars = players_.release(bodies, to, now);
+  peers_.at(PeerId::region(to)).journal.append(FrameType::handoff, encode_handoff(group));
+}
+
+void RegionCore::send_player_output() {
+  if (!player_output_.effects.empty()) {
+    const Bytes payload = encode_effects(player_output_.effects);
+    for (auto& [id, peer] : peers_)
+      if (id.is_region()) peer.journal.append(FrameType::effects, payload);
+  }
+  for (const auto& [to, commands] : player_output_.forwarded)
+    peers_.at(PeerId::region(to)).journal.append(FrameType::commands, encode_commands(commands));
+  player_output_ = {};
+}
+
+std::vector<VersionedBody> RegionCore::passive_copies() const {
+  std::vector<VersionedBody> copies;
+  for (const auto& [id, peer] : peers_) {
+    for (const Journal::Entry& entry : peer.journal.unacknowledged()) {
+      if (entry.type != FrameType::handoff) continue;
+      auto group =
+          decode_handoff(entry.payload, hosting_.definitions().size(), hosting_.statics().size());
+      AUREOLE_CHECK(group, "what was encoded here can be read back");
+      for (const auto& b : group->bodies)
+        if (!hosting_.hosts(b.body.id)) copies.push_back({b.body, {b.epoch, incarnation_, self_}});
+    }
+  }
+  for (const Arrived& arrived : arrived_groups_)
+    for (const auto& b : arrived.group.bodies)
+      if (!hosting_.hosts(b.body.id)) copies.push_back({b.body, {b.epoch, incarnation_, self_}});
+  return copies;
+}
+
+void RegionCore::publish(Tick now, const ShellMeasurements& measured) {
+  const auto avatars = players_.avatars();
+  const SharedBytes update = hosting_.publisher().update(now, hosting_.physics(), avatars);
+  SharedBytes status;
+  if (now.value % status_interval_ticks == 0) {
+    const RegionStatistics s = statistics();
+    flatbuffers::FlatBufferBuilder builder(128);
+    status = std::make_shared<const Bytes>(finish_frame(
+        builder,
+        wire::CreateRegionStatus(builder, now.value, static_cast<std::uint32_t>(s.bodies),
+                                 static_cast<std::uint32_t>(s.awake), measured.frame_us_p50,
+                                 measured.frame_us_max, s.migrations_in, s.migrations_out,
+                                 measured.overruns, measured.skipped_ticks, s.removed_strays,
+                                 static_cast<std::uint32_t>(s.unacknowledged)),
+        FrameType::region_status));
+  }
+  for (auto& [id, peer] : peers_) {
+    if (!peer.up) continue;
+    if (id.is_region()) {
+      if (peer.journal.take_acknowledgement_due()) {
+        flatbuffers::FlatBufferBuilder builder(64);
+        const Bytes frame =
+            finish_frame(builder, wire::CreateAcknowledge(builder, peer.journal.taken()),
+                         FrameType::acknowledge);
+        outbox_.push_back({id, std::make_shared<const Bytes>(frame)});
+      }
+      for (SharedBytes& frame : peer.journal.take_unsent()) outbox_.push_back({id, std::move(frame)});
+    } else if (peer.wants_whole_state) {
+      peer.wants_whole_state = false;
+      for (SharedBytes& frame :
+           hosting_.publisher().whole_state(now, hosting_.physics(), passive_copies(), avatars))
+        outbox_.push_back({id, std::move(frame)});
+    } else {
+      outbox_.push_back({id, update});
+    }
+    if (status) outbox_.push_back({id, status});
+  }
+}
+
+}  // namespace aureole

@@ -1,0 +1,79 @@
+// What gateways hear of a region's bodies: full states when something changes, 20 bytes while they move.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "protocol/frame.h"
+#include "protocol/quantise.h"
+#include "server/base/ids.h"
+#include "server/base/tick.h"
+#include "server/physics/physics_world.h"
+#include "server/region/avatar.h"
+
+namespace aureole {
+
+/// A full state with its version, as it goes into a key.
+struct VersionedBody {
+  NewBody body;
+  Version version;
+};
+
+struct RemovedBody {
+  BodyId id;
+  Version version;
+};
+
+/// One stream for all gateways; a gateway that joins is first sent the whole state. Bodies that sleep
+/// or do not leave their grid cell cost nothing.
+class ReplicaPublisher {
+ public:
+  /// Every moving body's full state is sent once in this many ticks, so that stores can be recovered
+  /// from; staggered by slot.
+  static constexpr std::int64_t key_interval_ticks = 64;
+  static constexpr std::size_t keys_per_frame = 4096;
+
+  void body_gained(BodyId id, Version version);
+  void body_lost(BodyId id);
+  void body_removed(BodyId id, Version version);
+
+  /// The update of tick `now` for gateways that already have the whole state.
+  SharedBytes update(Tick now, const PhysicsWorld& world, std::span<const Avatar* const> avatars);
+  /// Frames that bring a new gateway to the state of tick `now`; `passive` are copies of bodies in
+  /// flight. Call after update() of the same tick.
+  std::vector<SharedBytes> whole_state(Tick now, const PhysicsWorld& world,
+                                       std::span<const VersionedBody> passive,
+                                       std::span<const Avatar* const> avatars);
+
+  /// Slots in use (tests, metrics).
+  std::size_t size() const { return bodies_.size(); }
+
+ private:
+  struct Published {
+    std::uint32_t slot = 0;
+    Version version;
+    bool key_due = true;
+    bool asleep = false;
+    QuantisedPosition position{};
+    QuantisedOrientation orientation{};
+  };
+  std::uint32_t take_slot();
+
+  std::unordered_map<BodyId, Published> bodies_;
+  std::vector<std::uint32_t> free_slots_;
+  std::uint32_t next_slot_ = 0;
+  std::vector<RemovedBody> removed_;
+  struct PlayerSent {
+    std::uint32_t session, applied_sequence;
+    bool connected;
+    BodyId carried;
+    friend bool operator==(const PlayerSent&, const PlayerSent&) = default;
+  };
+  std::unordered_map<PlayerId, PlayerSent> players_;
+};
+
+}  // namespace aureole
