@@ -1,6 +1,7 @@
 // Frames: encoding, and reading them back out of a stream.
 #include "protocol/frame.h"
 
+#include <algorithm>
 #include <bit>
 
 #include "server/base/check.h"
@@ -9,6 +10,24 @@ namespace aureole {
 
 static_assert(std::endian::native == std::endian::little,
               "the wire is little-endian and structs are sent as they lie in memory");
+
+namespace {
+
+Status check_header(const FrameHeader& header, std::size_t max_payload) {
+  if (header.type == 0 || header.type > last_frame_type)
+    return Error::format("frame of unknown type {}; expected 1 to {}", header.type,
+                         last_frame_type);
+  if (header.reserved != 0)
+    return Error::format("frame with reserved bits {:#x} set; expected 0", header.reserved);
+  if (header.payload_bytes > max_payload)
+    return Error::format("frame of {} bytes; at most {} are allowed here", header.payload_bytes,
+                         max_payload);
+  if (header.payload_bytes % 8 != 0)
+    return Error::format("frame of {} bytes; expected a multiple of 8", header.payload_bytes);
+  return Ok{};
+}
+
+}  // namespace
 
 Bytes encode_frame(FrameType type, std::uint64_t sequence, std::span<const std::byte> payload) {
   const std::size_t padded = (payload.size() + 7) & ~std::size_t{7};
@@ -30,19 +49,6 @@ Result<Frame> decode_frame(std::span<const std::byte> bytes) {
   return std::move(*frame);
 }
 
-Status FrameReader::check_header(const FrameHeader& header) const {
-  if (header.type == 0 || header.type > last_frame_type)
-    return Error::format("frame of unknown type {}; expected 1 to {}", header.type, last_frame_type);
-  if (header.reserved != 0)
-    return Error::format("frame with reserved bits {:#x} set; expected 0", header.reserved);
-  if (header.payload_bytes > max_payload_)
-    return Error::format("frame of {} bytes; at most {} are allowed here", header.payload_bytes,
-                         max_payload_);
-  if (header.payload_bytes % 8 != 0)
-    return Error::format("frame of {} bytes; expected a multiple of 8", header.payload_bytes);
-  return Ok{};
-}
-
 Status FrameReader::feed(std::span<const std::byte> data) {
   if (failed_) return Error{"the stream broke off at a bad frame before"};
   if (consumed_ > 0 && consumed_ == buffer_.size()) {
@@ -55,16 +61,20 @@ Status FrameReader::feed(std::span<const std::byte> data) {
   buffer_.insert(buffer_.end(), data.begin(), data.end());
 
   // Headers are judged as soon as they are whole, so that an oversize frame is never waited for.
+  // Behind a frame that still waits in next() only the widest limit holds: that frame may be the
+  // hello which makes the reader's owner raise its own.
   std::size_t at = consumed_;
+  std::size_t max_payload = max_payload_;
   while (buffer_.size() - at >= sizeof(FrameHeader)) {
     FrameHeader header;
     std::memcpy(&header, buffer_.data() + at, sizeof header);
-    if (auto ok = check_header(header); !ok) {
+    if (auto ok = check_header(header, max_payload); !ok) {
       failed_ = true;
       return ok;
     }
     if (buffer_.size() - at < sizeof header + header.payload_bytes) break;
     at += sizeof header + header.payload_bytes;
+    max_payload = std::max(max_payload_, max_payload_bytes);
   }
   return Ok{};
 }
@@ -73,10 +83,12 @@ std::optional<Frame> FrameReader::next() {
   if (failed_ || buffer_.size() - consumed_ < sizeof(FrameHeader)) return std::nullopt;
   FrameHeader header;
   std::memcpy(&header, buffer_.data() + consumed_, sizeof header);
+  if (header.payload_bytes > max_payload_) return std::nullopt;  // feed() will call it an Error
   const std::size_t whole = sizeof header + header.payload_bytes;
   if (buffer_.size() - consumed_ < whole) return std::nullopt;
   const auto payload = std::span(buffer_).subspan(consumed_ + sizeof header, header.payload_bytes);
-  Frame frame{static_cast<FrameType>(header.type), header.sequence, {payload.begin(), payload.end()}};
+  Frame frame{
+      static_cast<FrameType>(header.type), header.sequence, {payload.begin(), payload.end()}};
   consumed_ += whole;
   return frame;
 }

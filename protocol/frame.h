@@ -39,8 +39,8 @@ inline constexpr std::uint16_t last_frame_type = 10;
 struct FrameHeader {
   std::uint32_t payload_bytes = 0;
   std::uint16_t type = 0;
-  std::uint16_t reserved = 0;      ///< 0
-  std::uint64_t sequence = 0;      ///< > 0: kept by the sender until acknowledged; see region/journal.h
+  std::uint16_t reserved = 0;  ///< 0
+  std::uint64_t sequence = 0;  ///< > 0: kept by the sender until acknowledged; see region/journal.h
 };
 static_assert(sizeof(FrameHeader) == 16);
 
@@ -69,8 +69,10 @@ class FrameReader {
   /// Raised once the other side has proved who it is.
   void set_max_payload(std::size_t bytes) { max_payload_ = bytes; }
 
-  /// Takes all of `data`; frames that are complete wait in next(). An Error (bad type, reserved bits
-  /// set, oversize, payload not a multiple of 8) is final: the stream cannot be trusted any more.
+  /// Takes all of `data`; frames that are complete wait in next(). An Error (bad type, reserved
+  /// bits set, oversize, payload not a multiple of 8) is final: the stream cannot be trusted any
+  /// more. `max_payload` is applied to the frame that is next, so that a large frame right behind
+  /// the hello is not refused before the caller could raise the limit.
   Status feed(std::span<const std::byte> data);
 
   /// The next whole frame, if there is one.
@@ -80,8 +82,6 @@ class FrameReader {
   std::size_t pending_bytes() const { return buffer_.size() - consumed_; }
 
  private:
-  Status check_header(const FrameHeader& header) const;
-
   std::size_t max_payload_;
   Bytes buffer_;
   std::size_t consumed_ = 0;

@@ -9,12 +9,61 @@ namespace {
 
 constexpr std::int32_t cells_max = (1 << 23) - 1;
 constexpr int component_bits = 15;
-constexpr std::uint32_t component_max = (1u << component_bits) - 2;  // even: zero has a code of its own
-constexpr double component_limit = 0.70710678118654752;              // 1/√2
+constexpr std::int32_t component_max = (1 << component_bits) - 2;  // even: zero has its own code
+constexpr std::int32_t component_zero = component_max / 2;
+constexpr double component_limit = 0.70710678118654752;  // 1/√2
 
 std::int32_t to_cells(double metres) {
+  if (std::isnan(metres)) return 0;
   const double cells = std::nearbyint(metres / position_grid_m);
   return static_cast<std::int32_t>(std::clamp(cells, -double{cells_max} - 1, double{cells_max}));
+}
+
+/// A quaternion in codes, not packed yet.
+struct SmallestThree {
+  int largest = 3;
+  std::array<std::int32_t, 3> codes{component_zero, component_zero, component_zero};
+};
+
+Eigen::Vector4f unpack(const SmallestThree& q) {
+  Eigen::Vector4d c;
+  double rest = 1;
+  for (int i = 0, k = 0; i < 4; ++i) {
+    if (i == q.largest) continue;
+    c[i] = (q.codes[k++] - component_zero) * (component_limit / component_zero);
+    rest -= c[i] * c[i];
+  }
+  // Codes that no orientation has (only garbage from outside) can add up to more than one.
+  c[q.largest] = std::sqrt(std::max(rest, 0.0));
+  if (rest < 0) c.normalize();
+  return c.cast<float>();
+}
+
+int index_of_largest(const Eigen::Vector4f& c) {
+  int largest = 0;
+  c.cwiseAbs().maxCoeff(&largest);
+  return largest;
+}
+
+/// Whether the component that was left out is still the largest after rounding, so that quantising
+/// the unpacked quaternion leaves out the same one.
+bool is_stable(const SmallestThree& q) {
+  return index_of_largest(unpack(q)) == q.largest;
+}
+
+/// Rounding away from zero makes the component that was left out smaller than the others where they
+/// were nearly equal. Rounding all three towards zero can only make it larger; if even then another
+/// one is its equal, that one gives up a step.
+void make_stable(SmallestThree& q, const std::array<double, 3>& exact) {
+  for (int k = 0; k < 3; ++k)
+    q.codes[k] = component_zero + static_cast<std::int32_t>(std::trunc(exact[k]));
+  if (is_stable(q)) return;
+  const Eigen::Vector4f c = unpack(q);
+  for (int i = 0, k = 0; i < 4; ++i) {
+    if (i == q.largest) continue;
+    if (std::abs(c[i]) >= c[q.largest]) q.codes[k] += c[i] > 0 ? -1 : 1;
+    ++k;
+  }
 }
 
 }  // namespace
@@ -24,7 +73,8 @@ QuantisedPosition quantise(const WorldPosition& position) {
   const std::int32_t cells[3] = {to_cells(position.x), to_cells(position.y), to_cells(position.z)};
   for (int axis = 0; axis < 3; ++axis)
     for (int byte = 0; byte < 3; ++byte)
-      q[axis * 3 + byte] = static_cast<std::uint8_t>(static_cast<std::uint32_t>(cells[axis]) >> (8 * byte));
+      q[axis * 3 + byte] =
+          static_cast<std::uint8_t>(static_cast<std::uint32_t>(cells[axis]) >> (8 * byte));
   return q;
 }
 
@@ -40,17 +90,36 @@ WorldPosition dequantise(const QuantisedPosition& q) {
 }
 
 QuantisedOrientation quantise(const Eigen::Quaternionf& orientation) {
-  const Eigen::Vector4d c = orientation.coeffs().cast<double>().normalized();
-  int largest = 0;
-  c.cwiseAbs().maxCoeff(&largest);
-  const double sign = c[largest] < 0 ? -1.0 : 1.0;
-  std::uint64_t bits = static_cast<std::uint64_t>(largest);
-  for (int i = 0, place = 2; i < 4; ++i) {
-    if (i == largest) continue;
-    const double unit = std::clamp(sign * c[i] / component_limit, -1.0, 1.0) * 0.5 + 0.5;
-    bits |= static_cast<std::uint64_t>(std::nearbyint(unit * component_max)) << place;
-    place += component_bits;
+  SmallestThree packed;
+  const Eigen::Vector4d coefficients = orientation.coeffs().cast<double>();
+  const double norm = coefficients.norm();
+  if (std::isfinite(norm) && norm > 0) {
+    packed.largest = index_of_largest(orientation.coeffs());
+    const double sign = coefficients[packed.largest] < 0 ? -1.0 : 1.0;
+    const double scale = sign / norm * (component_zero / component_limit);
+    std::array<double, 3> exact{};
+    double squares = 0;
+    double second = 0;
+    for (int i = 0, k = 0; i < 4; ++i) {
+      if (i == packed.largest) continue;
+      exact[k] =
+          std::clamp(coefficients[i] * scale, -double{component_zero}, double{component_zero});
+      const double rounded = std::nearbyint(exact[k]);
+      packed.codes[k] = component_zero + static_cast<std::int32_t>(rounded);
+      squares += rounded * rounded;
+      second = std::max(second, std::abs(rounded));
+      ++k;
+    }
+    // The first condition spares nearly all orientations the second one. In steps the radius of the
+    // unit sphere is √2 × component_zero; one step of distance is far more than floats lose.
+    const double radius_squared = 2.0 * component_zero * component_zero;
+    if (radius_squared - squares < (second + 1) * (second + 1) && !is_stable(packed))
+      make_stable(packed, exact);
   }
+
+  std::uint64_t bits = static_cast<std::uint64_t>(packed.largest);
+  for (int k = 0; k < 3; ++k)
+    bits |= static_cast<std::uint64_t>(packed.codes[k]) << (2 + k * component_bits);
   QuantisedOrientation q{};
   for (int byte = 0; byte < 6; ++byte) q[byte] = static_cast<std::uint8_t>(bits >> (8 * byte));
   return q;
@@ -59,19 +128,13 @@ QuantisedOrientation quantise(const Eigen::Quaternionf& orientation) {
 Eigen::Quaternionf dequantise(const QuantisedOrientation& q) {
   std::uint64_t bits = 0;
   for (int byte = 0; byte < 6; ++byte) bits |= std::uint64_t{q[byte]} << (8 * byte);
-  const int largest = static_cast<int>(bits & 3);
-  Eigen::Vector4d c;
-  double rest = 1;
-  for (int i = 0, place = 2; i < 4; ++i) {
-    if (i == largest) continue;
-    const double code = static_cast<double>((bits >> place) & ((1u << component_bits) - 1));
-    c[i] = (std::min(code, double{component_max}) / component_max * 2 - 1) * component_limit;
-    rest -= c[i] * c[i];
-    place += component_bits;
+  SmallestThree packed;
+  packed.largest = static_cast<int>(bits & 3);
+  for (int k = 0; k < 3; ++k) {
+    const auto code = (bits >> (2 + k * component_bits)) & ((1u << component_bits) - 1);
+    packed.codes[k] = std::min(static_cast<std::int32_t>(code), component_max);
   }
-  c[largest] = std::sqrt(std::max(rest, 0.0));
-  c.normalize();
-  return Eigen::Quaternionf(c.cast<float>());
+  return Eigen::Quaternionf(unpack(packed));
 }
 
 }  // namespace aureole

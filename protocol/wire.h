@@ -1,6 +1,7 @@
 // Typed access to frame payloads: verified before they are read, framed when they are written.
 #pragma once
 
+#include <cstdint>
 #include <span>
 
 #include "generated/messages_generated.h"
@@ -8,15 +9,44 @@
 
 namespace aureole {
 
-/// The payload as a table, or nullptr unless every offset in it stays inside the buffer. Numbers
-/// are not looked at: NaN passes the verifier, readers check what they use.
+namespace detail {
+
+/// The verifier looks at the alignment of a vector's length (4 bytes) only, while reading elements
+/// that hold 64-bit numbers from an address that is not a multiple of 8 is undefined behaviour.
+template <class Element>
+bool is_aligned(const flatbuffers::Vector<Element>* vector) {
+  return vector == nullptr || vector->size() == 0 ||
+         reinterpret_cast<std::uintptr_t>(vector->Data()) % 8 == 0;
+}
+
+/// For the tables that have such vectors.
+template <class Table>
+bool vectors_are_aligned(const Table&) {
+  return true;
+}
+inline bool vectors_are_aligned(const wire::Handoff& t) {
+  return is_aligned(t.bodies());
+}
+inline bool vectors_are_aligned(const wire::Effects& t) {
+  return is_aligned(t.blasts()) && is_aligned(t.removals()) && is_aligned(t.requests());
+}
+inline bool vectors_are_aligned(const wire::ReplicaUpdate& t) {
+  return is_aligned(t.keys()) && is_aligned(t.removed()) && is_aligned(t.players());
+}
+
+}  // namespace detail
+
+/// The payload as a table, or nullptr unless every offset in it stays inside the buffer and every
+/// vector is aligned. Numbers are not looked at: NaN passes the verifier, readers check what they
+/// use.
 template <class Table>
 const Table* verified(std::span<const std::byte> payload) {
   const auto* data = reinterpret_cast<const std::uint8_t*>(payload.data());
   if (payload.size() < 8 || reinterpret_cast<std::uintptr_t>(data) % 8 != 0) return nullptr;
   flatbuffers::Verifier verifier(data, payload.size(), /*max_depth=*/16, /*max_tables=*/200'000);
   if (!verifier.VerifyBuffer<Table>(nullptr)) return nullptr;
-  return flatbuffers::GetRoot<Table>(data);
+  const Table* table = flatbuffers::GetRoot<Table>(data);
+  return detail::vectors_are_aligned(*table) ? table : nullptr;
 }
 
 /// Finishes `root` and frames it.
