@@ -27,13 +27,18 @@ function(aureole_room name)
   target_link_libraries(aureole_${name} PUBLIC aureole_options ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE})
 endfunction()
 
-# aureole_test(<name> LABELS unit SOURCES a.cpp LINK deps...): one Catch2 executable, one ctest entry for each case.
+# aureole_test(<name> [SERIAL] LABELS unit SOURCES a.cpp LINK deps...): one Catch2 executable, one ctest entry for each
+# case. SERIAL: nothing else runs beside it.
 function(aureole_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "LABELS;SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "SERIAL" "TIMEOUT" "LABELS;SOURCES;LINK" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
+  set(serial "")
+  if(ARG_SERIAL)
+    set(serial RUN_SERIAL TRUE)
+  endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE aureole_options aureole_catch ${ARG_LINK})
-  catch_discover_tests(${name} TEST_PREFIX "${name}: " PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
+  catch_discover_tests(${name} TEST_PREFIX "${name}: " PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT} ${serial})
 endfunction()

@@ -78,7 +78,8 @@ int play(const PlayOptions& options) {
   plan.port = *port;
 
   SupervisorOptions supervisor;
-  supervisor.executable = options.server_binary.empty() ? own_binary : options.server_binary;
+  supervisor.executable = own_binary;
+  if (!options.server_binary.empty()) supervisor.executable = options.server_binary;
   supervisor.page_url = page_url(plan.host, plan.port);
   supervisor.health_url = supervisor.page_url + "/healthz";
   const int regions = static_cast<int>(world->regions.size());
