@@ -37,10 +37,9 @@ int show_status(const StatusOptions& options) {
     fmt::print("{}", status_table(*status));
     return all_up(*status) ? exit_ok : exit_failed;
   }
-  for (const auto& region : status->regions) {
-    if (region.name != options.region) continue;
-    fmt::print("{} is {}\n", region.name, region.up ? "up" : "down");
-    return region.up ? exit_ok : exit_failed;
+  if (const RegionStatus* region = find_region(*status, options.region)) {
+    fmt::print("{} is {}\n", region->name, region->up ? "up" : "down");
+    return region->up ? exit_ok : exit_failed;
   }
   fmt::print(stderr, "aureole: there is no region '{}' at {}\n", options.region, base);
   return exit_usage;
@@ -55,8 +54,10 @@ void add_status(CLI::App& app, int& exit_code) {
                                          "gateway does not answer.");
   const auto options = std::make_shared<StatusOptions>();
   command->add_option("--url", options->url, "The gateway")->capture_default_str();
-  command->add_option("--region", options->region,
-                      "Only say whether this region is up (for health checks)");
+  command->add_option(
+      "--region", options->region,
+      "Only say whether this region is up, by its name in the world or as r0, r1, …\n"
+      "(for health checks)");
   command->callback([options, &exit_code] { exit_code = show_status(*options); });
 }
 

@@ -43,6 +43,16 @@ Result<WorldStatus> parse_world_status(const std::string& json) {
   }
 }
 
+const RegionStatus* find_region(const WorldStatus& status, const std::string& name) {
+  for (const auto& region : status.regions) {
+    if (region.name == name) return &region;
+  }
+  for (std::size_t i = 0; i < status.regions.size(); ++i) {
+    if (name == fmt::format("r{}", i)) return &status.regions[i];
+  }
+  return nullptr;
+}
+
 bool all_up(const WorldStatus& status) {
   return std::all_of(status.regions.begin(), status.regions.end(),
                      [](const RegionStatus& r) { return r.up; });

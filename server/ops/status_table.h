@@ -27,6 +27,10 @@ struct WorldStatus {
 /// left out, so that older clients can read newer gateways.
 Result<WorldStatus> parse_world_status(const std::string& json);
 
+/// By its name in the world, or by its number as r0, r1, …; null if there is none. A name goes
+/// first.
+const RegionStatus* find_region(const WorldStatus& status, const std::string& name);
+
 bool all_up(const WorldStatus& status);
 
 /// One line for the world, one for each region, columns aligned; ends with a line end.

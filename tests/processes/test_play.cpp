@@ -75,6 +75,7 @@ TEST_CASE("play starts every region and a gateway, says where to look, and stops
 
   world.signal(signal);
   REQUIRE(world.wait_for_end() == "exit code 0");
+  REQUIRE_FALSE(world.line_with("did not stop when asked"));
   REQUIRE(fakes.all_gone());
 }
 

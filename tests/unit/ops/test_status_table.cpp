@@ -24,6 +24,15 @@ TEST_CASE("a table shows the world, then one line for each region") {
           "south?[2J  DOWN        3        0      0.00      0.00         1         3\n");
 }
 
+TEST_CASE("a region is found by its name or by its number") {
+  const auto status = parse_world_status(two_regions);
+  REQUIRE(status);
+  REQUIRE(find_region(*status, "north") == &status->regions[0]);
+  REQUIRE(find_region(*status, "r1") == &status->regions[1]);
+  REQUIRE(find_region(*status, "r2") == nullptr);
+  REQUIRE(find_region(*status, "") == nullptr);
+}
+
 TEST_CASE("what is not a status is an error that says why") {
   REQUIRE_FALSE(parse_world_status("<html>"));
   REQUIRE_FALSE(parse_world_status("{}"));
