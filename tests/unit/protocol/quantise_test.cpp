@@ -1,0 +1,186 @@
+// Quantised poses: the stated error bounds hold, and what has been quantised once does not change.
+#include "protocol/quantise.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "tests/support/catch.h"
+
+using namespace aureole;
+
+namespace {
+
+constexpr double nan_d = std::numeric_limits<double>::quiet_NaN();
+constexpr double inf_d = std::numeric_limits<double>::infinity();
+constexpr float nan_f = std::numeric_limits<float>::quiet_NaN();
+
+/// Angle of the rotation between two orientations (rad). Through the chord, as the arc cosine of
+/// the dot product cannot resolve small angles.
+double angle_between(const Eigen::Quaternionf& a, const Eigen::Quaternionf& b) {
+  const Eigen::Vector4d u = a.coeffs().cast<double>().normalized();
+  Eigen::Vector4d v = b.coeffs().cast<double>().normalized();
+  if (u.dot(v) < 0) v = -v;
+  return 4 * std::asin((u - v).norm() / 2);
+}
+
+WorldPosition round_trip(const WorldPosition& p) {
+  return dequantise(quantise(p));
+}
+
+/// Worst angle over a million orientations; each must come back unchanged when quantised again.
+template <class Make>
+double worst_angle(Make make) {
+  double worst = 0;
+  for (int i = 0; i < 1'000'000; ++i) {
+    const Eigen::Quaternionf o = make();
+    const QuantisedOrientation q = quantise(o);
+    const Eigen::Quaternionf back = dequantise(q);
+    worst = std::max(worst, angle_between(o, back));
+    if (quantise(back) != q) FAIL("quantised twice differs from once");
+    if (std::abs(back.norm() - 1) > 1e-6f) FAIL("not a unit quaternion");
+  }
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("No position moves by more than the stated error, and quantising twice changes nothing") {
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> anywhere(-8191.9, 8191.9);
+  double worst = 0;
+  for (int i = 0; i < 1'000'000; ++i) {
+    const WorldPosition p{anywhere(random), anywhere(random), anywhere(random)};
+    const QuantisedPosition q = quantise(p);
+    const WorldPosition back = dequantise(q);
+    worst =
+        std::max({worst, std::abs(back.x - p.x), std::abs(back.y - p.y), std::abs(back.z - p.z)});
+    if (quantise(back) != q) FAIL("quantised twice differs from once");
+  }
+  CHECK(worst <= position_error_m);
+  CHECK(worst > 0.99 * position_error_m);
+}
+
+TEST_CASE("Points of the grid are kept exactly, up to both limits, and are exact floats") {
+  for (const double cells : {0.0, 1.0, -1.0, 1023.0, -8388608.0, 8388607.0, 4194303.0}) {
+    const double metres = cells * position_grid_m;
+    CHECK(round_trip({metres, 0, -1}).x == metres);
+    CHECK(round_trip({0, metres, 1}).y == metres);
+    CHECK(round_trip({3, 0, metres}).z == metres);
+    CHECK(double{static_cast<float>(metres)} == metres);
+  }
+}
+
+TEST_CASE("The axes of a position are kept apart") {
+  CHECK(round_trip({1, -2, 3}) == WorldPosition{1, -2, 3});
+}
+
+TEST_CASE("Positions outside the world are clamped to its edge, also infinite ones") {
+  const double top = position_limit_m - position_grid_m;
+  CHECK(round_trip({9000, -9000, 8192}) == WorldPosition{top, -position_limit_m, top});
+  CHECK(round_trip({inf_d, -inf_d, 1e300}) == WorldPosition{top, -position_limit_m, top});
+}
+
+TEST_CASE("A coordinate that is not a number becomes 0") {
+  CHECK(round_trip({nan_d, 2, nan_d}) == WorldPosition{0, 2, 0});
+}
+
+TEST_CASE("No orientation with one largest component turns by more than one rounding allows") {
+  std::mt19937_64 random(2);
+  std::normal_distribution<float> normal;
+  const double worst = worst_angle([&] {
+    while (true) {
+      Eigen::Vector4f c(normal(random), normal(random), normal(random), normal(random));
+      c.normalize();
+      std::array<float, 4> sizes{std::abs(c[0]), std::abs(c[1]), std::abs(c[2]), std::abs(c[3])};
+      std::sort(sizes.begin(), sizes.end());
+      if (sizes[3] - sizes[2] > 1e-4f) return Eigen::Quaternionf(c);
+    }
+  });
+  // 2 √12 h, reached where all four components are equal; see quantise.h.
+  CHECK(worst <= 1.4953e-4);
+  CHECK(worst > 1.2e-4);
+}
+
+TEST_CASE("Where the largest components are nearly equal the stated error holds as well") {
+  std::mt19937_64 random(3);
+  std::normal_distribution<float> normal;
+  const auto sign = [&] { return random() % 2 ? 1.0f : -1.0f; };
+  const float near = 5e-5f;
+  SECTION("four of them") {
+    const double worst = worst_angle([&] {
+      Eigen::Vector4f c;
+      for (float& x : c) x = sign() * (0.5f + near * normal(random));
+      return Eigen::Quaternionf(c).normalized();
+    });
+    CHECK(worst <= orientation_error_rad);
+  }
+  SECTION("three of them") {
+    const double worst = worst_angle([&] {
+      Eigen::Vector4f c;
+      for (float& x : c) x = sign() * (0.57735f + near * normal(random));
+      c[static_cast<int>(random() % 4)] = near * normal(random);
+      return Eigen::Quaternionf(c).normalized();
+    });
+    CHECK(worst <= orientation_error_rad);
+  }
+  SECTION("two of them") {
+    const double worst = worst_angle([&] {
+      Eigen::Vector4f c;
+      for (float& x : c) x = near * normal(random);
+      const int first = static_cast<int>(random() % 4);
+      c[first] = sign() * (0.7071f + near * normal(random));
+      c[(first + 1 + static_cast<int>(random() % 3)) % 4] =
+          sign() * (0.7071f + near * normal(random));
+      return Eigen::Quaternionf(c).normalized();
+    });
+    CHECK(worst <= orientation_error_rad);
+  }
+}
+
+TEST_CASE("The identity and half turns about the axes are exact, under both signs") {
+  for (int axis = 0; axis < 4; ++axis)
+    for (const float sign : {1.0f, -1.0f}) {
+      Eigen::Vector4f c = Eigen::Vector4f::Zero();
+      c[axis] = sign;
+      CHECK(dequantise(quantise(Eigen::Quaternionf(c))).coeffs() == Eigen::Vector4f(sign * c));
+    }
+}
+
+TEST_CASE("Equal components come back equal: quarter turns and the turns of a cube") {
+  const float half = 0.5f;
+  const Eigen::Quaternionf cube(half, -half, half, -half);
+  CHECK(angle_between(dequantise(quantise(cube)), cube) <= orientation_error_rad);
+  const Eigen::Quaternionf quarter(Eigen::AngleAxisf(1.57079633f, Eigen::Vector3f::UnitY()));
+  const Eigen::Quaternionf back = dequantise(quantise(quarter));
+  CHECK(angle_between(back, quarter) < 1e-6);
+  CHECK(back.x() == 0);
+  CHECK(back.z() == 0);
+}
+
+TEST_CASE("The length of a quaternion does not matter, and one without direction is the identity") {
+  const Eigen::Quaternionf o(0.1f, -0.7f, 0.3f, 0.2f);
+  CHECK(quantise(Eigen::Quaternionf(o.coeffs() * 1024)) == quantise(o));
+  const QuantisedOrientation identity = quantise(Eigen::Quaternionf::Identity());
+  CHECK(dequantise(identity).coeffs() == Eigen::Quaternionf::Identity().coeffs());
+  CHECK(quantise(Eigen::Quaternionf(0, 0, 0, 0)) == identity);
+  CHECK(quantise(Eigen::Quaternionf(1, nan_f, 0, 0)) == identity);
+  CHECK(quantise(Eigen::Quaternionf(1, 0, static_cast<float>(inf_d), 0)) == identity);
+}
+
+TEST_CASE("Any bits are a position inside the world and a unit quaternion") {
+  std::mt19937_64 random(4);
+  for (int i = 0; i < 200'000; ++i) {
+    QuantisedOrientation o;
+    QuantisedPosition p;
+    for (auto& b : o) b = static_cast<std::uint8_t>(i % 2 ? random() : (random() % 2) * 255);
+    for (auto& b : p) b = static_cast<std::uint8_t>(random());
+    const float norm = dequantise(o).norm();
+    if (!(std::abs(norm - 1) < 1e-6f)) FAIL("length " << norm);
+    const WorldPosition at = dequantise(p);
+    if (!(at.vector().cwiseAbs().maxCoeff() <= position_limit_m)) FAIL("outside");
+    if (quantise(at) != p) FAIL("every position code is a grid point");
+  }
+}
