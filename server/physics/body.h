@@ -17,12 +17,12 @@ namespace aureole {
 /// What never changes about a body. Shared by many bodies as a prototype.
 struct BodyDefinition {
   Shape shape{SphereShape{0.5f}};
-  float mass_kg = 1.0f;        ///< > 0
-  float friction = 0.5f;       ///< ≥ 0
-  float restitution = 0.0f;    ///< 0 … 1
-  float linear_damping = 0.1f; ///< 0 … 1, share of speed lost in a second
+  float mass_kg = 1.0f;         ///< > 0
+  float friction = 0.5f;        ///< ≥ 0
+  float restitution = 0.0f;     ///< 0 … 1
+  float linear_damping = 0.1f;  ///< 0 … 1, share of speed lost in a second
   float angular_damping = 0.5f;
-  bool upright = false;        ///< Never rotates (avatars).
+  bool upright = false;  ///< Never rotates (avatars).
 };
 
 /// Immovable geometry.
@@ -64,25 +64,25 @@ using ContactPartner = std::variant<BodyId, StaticId>;
 /// that touch share up to four in each of their manifolds. Measured: without them a stack of ten
 /// that changes its world moves by centimetres, with them by nothing.
 struct ContactPoint {
-  Eigen::Vector3f local_on_a{0, 0, 0};  ///< In a's frame (m).
-  Eigen::Vector3f local_on_b{0, 0, 0};  ///< In b's frame (m).
-  Eigen::Vector3f normal_on_b{0, 1, 0}; ///< World frame, from b to a.
-  float distance = 0;                   ///< Negative: overlap (m).
-  float impulse = 0;                    ///< Along the normal (N s).
+  Eigen::Vector3f local_on_a{0, 0, 0};   ///< In a's frame (m).
+  Eigen::Vector3f local_on_b{0, 0, 0};   ///< In b's frame (m).
+  Eigen::Vector3f normal_on_b{0, 1, 0};  ///< World frame, from b to a.
+  float distance = 0;                    ///< Negative: overlap (m).
+  float impulse = 0;                     ///< Along the normal (N s).
   float impulse_lateral_1 = 0;
   float impulse_lateral_2 = 0;
   Eigen::Vector3f lateral_1{0, 0, 0};
   Eigen::Vector3f lateral_2{0, 0, 0};
   std::int32_t age_steps = 0;
-  std::int32_t flags = 0;               ///< btManifoldPoint::m_contactPointFlags
-  std::int16_t child_a = -1;            ///< Child of a compound shape, -1 for none.
+  std::int32_t flags = 0;     ///< btManifoldPoint::m_contactPointFlags
+  std::int16_t child_a = -1;  ///< Child of a compound shape, -1 for none.
   std::int16_t child_b = -1;
 };
 
 struct ContactManifold {
   BodyId a;
   ContactPartner b;
-  std::uint16_t ordinal = 0;  ///< A compound pair has several manifolds, in this order.
+  std::uint16_t ordinal = 0;         ///< A compound pair has several manifolds, in this order.
   std::vector<ContactPoint> points;  ///< 1 … 4
 };
 

@@ -1,4 +1,5 @@
-// One Bullet world behind plain data: bodies in and out, contacts with their impulses, one step, queries.
+// One Bullet world behind plain data: bodies in and out, contacts with their impulses, one step,
+// queries.
 #pragma once
 
 #include <cstdint>
@@ -13,12 +14,12 @@
 namespace aureole {
 
 struct PhysicsSettings {
-  Eigen::Vector3f gravity{0, -9.81f, 0};   ///< m/s²
-  int solver_iterations = 10;              ///< 1 … 50
-  float sleep_linear_speed = 0.25f;        ///< m/s; Bullet's 0.8 freezes a box that still slides.
-  float sleep_angular_speed = 0.35f;       ///< rad/s
-  float sleep_after_s = 0.4f;              ///< s, the paper's (section 4.2)
-  WorldPosition origin;                    ///< Where the floats of this world are centred.
+  Eigen::Vector3f gravity{0, -9.81f, 0};  ///< m/s²
+  int solver_iterations = 10;             ///< 1 … 50
+  float sleep_linear_speed = 0.25f;       ///< m/s; Bullet's 0.8 freezes a box that still slides.
+  float sleep_angular_speed = 0.35f;      ///< rad/s
+  float sleep_after_s = 0.4f;             ///< s, the paper's (section 4.2)
+  WorldPosition origin;                   ///< Where the floats of this world are centred.
 };
 
 struct RayHit {
@@ -26,6 +27,13 @@ struct RayHit {
   WorldPosition point;
   Eigen::Vector3f normal;
   float fraction;  ///< 0 … 1 of the ray
+};
+
+/// What the last step had to deal with, for metrics.
+struct PhysicsStatistics {
+  std::size_t pairs = 0;      ///< Overlapping boxes in the broadphase.
+  std::size_t manifolds = 0;  ///< Contact manifolds, empty ones included.
+  std::size_t islands = 0;    ///< Groups of bodies that were solved together and are awake.
 };
 
 /// Everything inside one world is repeatable: the same calls in the same order give the same bits.
@@ -41,15 +49,22 @@ class PhysicsWorld {
   PhysicsWorld(PhysicsWorld&&) noexcept;
   PhysicsWorld& operator=(PhysicsWorld&&) noexcept;
 
-  /// Adds bodies in the order of their ids, whatever their order in `bodies`.
+  /// An empty world with this one's settings, prototypes and statics that shares its shapes: cheap
+  /// enough for one handoff. Must not outlive this world; moving either of them is fine.
+  PhysicsWorld scratch(std::size_t expected_bodies = 64) const;
+
+  /// Adds bodies in the order of their ids, whatever their order in `bodies`. The states must be
+  /// sane. An upright body's angular velocity becomes zero.
   void add(std::span<const NewBody> bodies);
   /// Removes bodies with their pairs in one pass and wakes what touched them.
   void remove(std::span<const BodyId> ids);
 
   /// Gives the pairs among `group` (and with the ground) the contacts they had in the world they
-  /// come from. Call after add(); a pair that no longer overlaps is skipped.
+  /// come from, sleeping or not. Call after add(); a pair that no longer overlaps or that is not
+  /// all here is skipped. Contacts from outside must have passed is_sane().
   void install_contacts(std::span<const ContactManifold> contacts);
-  /// Contacts among the bodies of `group` and between them and static geometry; sorted.
+  /// Contacts among the bodies of `group` and between them and static geometry; sorted by (a, b,
+  /// ordinal), a being the smaller id whichever world they come from.
   std::vector<ContactManifold> contacts_within(std::span<const BodyId> group) const;
   /// Bodies that share at least one contact point with `id`; sorted.
   std::vector<BodyId> touching(BodyId id) const;
@@ -69,7 +84,7 @@ class PhysicsWorld {
   WorldPosition position(BodyId id) const;
   bool is_asleep(BodyId id) const;
 
-  /// Overwrites pose, velocities and activation; wakes the body if `state` is awake.
+  /// Overwrites pose, velocities and activation; wakes what touched the body if the pose changes.
   void set_state(BodyId id, const BodyState& state);
   /// Velocity change at the centre of mass (unit: N s); wakes the body.
   void apply_impulse(BodyId id, const Eigen::Vector3f& impulse);
@@ -79,26 +94,32 @@ class PhysicsWorld {
   void apply_force(BodyId id, const Eigen::Vector3f& force);
   void wake(BodyId id);
 
-  /// Nearest hit on a body or static geometry, `ignore` left out.
+  /// Nearest hit on a body or static geometry, `ignore` left out. A plane is met from above only.
   std::optional<RayHit> raycast(const WorldPosition& from, const WorldPosition& to,
                                 std::optional<BodyId> ignore = {}) const;
   /// Bodies whose bounding box touches the sphere; sorted.
   std::vector<BodyId> overlapping_sphere(const WorldPosition& centre, float radius) const;
 
   /// A body that nothing moves, as an obstacle: infinite mass, driven along `state`'s velocity.
-  /// For the scratch world that makes up time in flight.
+  /// For the scratch world that makes up time in flight. Slower than the sleeping speeds, it wakes
+  /// nobody; it does not collide with static geometry or with other obstacles.
   void add_obstacle(const NewBody& body);
 
   /// Over all ids and states, bit for bit.
   std::uint64_t state_hash() const;
 
+  PhysicsStatistics statistics() const;
+
  private:
   struct Impl;
+  explicit PhysicsWorld(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 
 /// True if every number is finite and the orientation has unit length within 1e-3: the check that
 /// each state from a socket passes before it reaches Bullet.
 bool is_sane(const BodyState& state);
+/// True if there are 1 to 4 points of finite numbers with normals of unit length and impulses ≥ 0.
+bool is_sane(const ContactManifold& manifold);
 
 }  // namespace aureole

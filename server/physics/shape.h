@@ -1,4 +1,5 @@
-// Shapes of bodies as plain data: what a world file describes, physics builds and the renderer draws.
+// Shapes of bodies as plain data: what a world file describes, physics builds and the renderer
+// draws.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,7 +20,8 @@ struct SphereShape {
 struct BoxShape {
   Eigen::Vector3f half_extents;
 };
-/// Along y. `height` is the whole height with both caps, ≥ 2 radius (unit: m); Bullet leaves the caps out.
+/// Along y. `height` is the whole height with both caps, ≥ 2 radius (unit: m); Bullet leaves the
+/// caps out.
 struct CapsuleShape {
   float radius;
   float height;
@@ -50,8 +52,8 @@ struct Shape : std::variant<SphereShape, BoxShape, CapsuleShape, CylinderShape, 
   using variant::variant;
 };
 
-/// Radius R_o of the sphere around the shape's origin that holds it (unit: m); infinite for a plane.
-/// A capsule of height 2 m and radius 0.3 m has R_o = 1 m.
+/// Radius R_o of the sphere around the shape's origin that holds it (unit: m); infinite for a
+/// plane. A capsule of height 2 m and radius 0.3 m has R_o = 1 m.
 float bounding_radius(const Shape& shape);
 
 }  // namespace aureole
