@@ -1,0 +1,208 @@
+// Links between servers over loopback TCP: introductions, refusals, resets, hostile bytes.
+#include <boost/asio/connect.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
+#include <functional>
+#include <optional>
+
+#include "server/net/handshake.h"
+#include "server/net/peer_links.h"
+#include "tests/support/catch.h"
+
+using namespace aureole;
+using namespace std::chrono_literals;
+using boost::asio::ip::tcp;
+
+namespace {
+
+constexpr std::uint64_t world_hash = 99;
+
+/// One server's links with everything that they reported.
+struct Server {
+  WorldClock clock;
+  std::vector<PeerId> up, down;
+  std::vector<std::string> refusals;
+  std::vector<Frame> frames;
+  std::optional<PeerHello> hello;
+  Status answer = Ok{};
+  std::unique_ptr<PeerLinks> links;
+  std::uint16_t port = 0;
+
+  Server(boost::asio::io_context& io, PeerId self, std::vector<PeerAddress> dial = {},
+         std::uint64_t hash = world_hash, std::uint64_t incarnation = 1,
+         std::size_t queue = 64u << 20, std::uint16_t listen_port = 0) {
+    PeerLinksOptions options;
+    options.self = self;
+    options.incarnation = Incarnation{incarnation};
+    options.world_hash = hash;
+    options.dial = std::move(dial);
+    options.max_queued_bytes = queue;
+    links = std::make_unique<PeerLinks>(
+        io, std::move(options), clock,
+        PeerLinks::Events{
+            [this](PeerId p, const PeerHello& h) { up.push_back(p); hello = h; },
+            [this](PeerId p, const std::string&) { down.push_back(p); },
+            [this](PeerId, Frame f) { frames.push_back(std::move(f)); return answer; },
+            [] { return true; },
+            [this](PeerId, const std::string& why) { refusals.push_back(why); },
+        });
+    port = *links->listen({"127.0.0.1", listen_port});
+    links->start();
+  }
+};
+
+bool run_until(boost::asio::io_context& io, const std::function<bool()>& done) {
+  const auto limit = std::chrono::steady_clock::now() + 10s;
+  while (!done() && std::chrono::steady_clock::now() < limit) {
+    io.restart();
+    io.run_for(5ms);
+  }
+  return done();
+}
+
+PeerAddress at(PeerId peer, std::uint16_t port) { return {peer, {"127.0.0.1", port}}; }
+
+SharedBytes message(std::size_t size) {
+  return std::make_shared<const Bytes>(
+      encode_frame(FrameType::commands, 0, Bytes(size, std::byte{7})));
+}
+
+/// Connects, sends raw bytes and waits until the other side hangs up. Returns what it said.
+Bytes talk_raw(boost::asio::io_context& io, std::uint16_t port, const Bytes& bytes) {
+  tcp::socket socket(io);
+  socket.connect({boost::asio::ip::address_v4::loopback(), port});
+  boost::asio::write(socket, boost::asio::buffer(bytes));
+  Bytes heard(4096);
+  std::size_t got = 0;
+  bool closed = false;
+  boost::asio::async_read(socket, boost::asio::buffer(heard),
+                          [&](const boost::system::error_code&, std::size_t n) {
+                            got = n;
+                            closed = true;
+                          });
+  REQUIRE(run_until(io, [&] { return closed; }));
+  heard.resize(got);
+  return heard;
+}
+
+}  // namespace
+
+TEST_CASE("two servers introduce themselves and frames pass both ways, in order") {
+  boost::asio::io_context io;
+  Server a(io, PeerId{0});
+  Server b(io, PeerId{1}, {at(PeerId{0}, a.port)});
+  REQUIRE(run_until(io, [&] { return !a.up.empty() && !b.up.empty(); }));
+  REQUIRE(a.up[0] == PeerId{1});
+  REQUIRE(b.up[0] == PeerId{0});
+  for (std::size_t i = 1; i <= 100; ++i) {
+    a.links->send(PeerId{1}, message(8 * i));
+    b.links->send(PeerId{0}, message(16 * i));
+  }
+  REQUIRE(run_until(io, [&] { return a.frames.size() == 100 && b.frames.size() == 100; }));
+  for (std::size_t i = 1; i <= 100; ++i) {
+    REQUIRE(b.frames[i - 1].payload.size() == 8 * i);
+    REQUIRE(a.frames[i - 1].payload.size() == 16 * i);
+  }
+}
+
+TEST_CASE("a follower learns the reference's time and the round trip of its link") {
+  boost::asio::io_context io;
+  Server a(io, PeerId{0});
+  a.clock.start_as_reference(monotonic_us(), 5'000'000);
+  Server b(io, PeerId{1}, {at(PeerId{0}, a.port)});
+  REQUIRE(run_until(io, [&] { return b.clock.is_set(); }));
+  const auto now = monotonic_us();
+  REQUIRE(std::abs(*a.clock.world_us(now) - *b.clock.world_us(now)) < 20'000);
+  REQUIRE(b.links->round_trip_us(PeerId{0}) > 0);
+  REQUIRE_FALSE(a.clock.world_us(now) == std::nullopt);
+}
+
+TEST_CASE("a server of another world is refused with a sentence on both sides") {
+  boost::asio::io_context io;
+  Server a(io, PeerId{0});
+  Server b(io, PeerId{1}, {at(PeerId{0}, a.port)}, world_hash + 1);
+  REQUIRE(run_until(io, [&] { return !b.refusals.empty(); }));
+  REQUIRE(b.refusals[0].find("same world file") != std::string::npos);
+  REQUIRE(a.up.empty());
+  REQUIRE(b.up.empty());
+}
+
+TEST_CASE("who dials the wrong server is told so") {
+  boost::asio::io_context io;
+  Server a(io, PeerId{0});
+  Server b(io, PeerId{2}, {at(PeerId{1}, a.port)});
+  io.run_for(300ms);
+  REQUIRE(b.up.empty());
+}
+
+TEST_CASE("a link is made anew when the other side comes back, and the new start is told apart") {
+  boost::asio::io_context io;
+  auto a = std::make_unique<Server>(io, PeerId{0});
+  const auto port = a->port;
+  Server b(io, PeerId{1}, {at(PeerId{0}, port)});
+  REQUIRE(run_until(io, [&] { return b.up.size() == 1; }));
+  a.reset();
+  REQUIRE(run_until(io, [&] { return b.down.size() == 1; }));
+  a = std::make_unique<Server>(io, PeerId{0}, std::vector<PeerAddress>{}, world_hash, 2, 64u << 20, port);
+  REQUIRE(run_until(io, [&] { return b.up.size() == 2; }));
+  REQUIRE(b.hello->incarnation == Incarnation{2});
+  REQUIRE(a->hello->known_incarnation == Incarnation{1});
+}
+
+TEST_CASE("a message that the receiver refuses ends the link and it is made anew") {
+  boost::asio::io_context io;
+  Server a(io, PeerId{0});
+  Server b(io, PeerId{1}, {at(PeerId{0}, a.port)});
+  REQUIRE(run_until(io, [&] { return b.up.size() == 1; }));
+  a.answer = Error{"no"};
+  b.links->send(PeerId{0}, message(8));
+  REQUIRE(run_until(io, [&] { return b.up.size() == 2 && a.up.size() == 2; }));
+  REQUIRE(a.down.size() == 1);
+}
+
+TEST_CASE("bytes that are no frames, and frames that are no hello, end only their own connection") {
+  boost::asio::io_context io;
+  Server a(io, PeerId{0});
+  Server b(io, PeerId{1}, {at(PeerId{0}, a.port)});
+  REQUIRE(run_until(io, [&] { return b.up.size() == 1; }));
+  talk_raw(io, a.port, Bytes(64, std::byte{0xff}));
+  talk_raw(io, a.port, encode_frame(FrameType::hello, 0, Bytes(64, std::byte{0xff})));
+  const Bytes answer = talk_raw(io, a.port, encode_frame(FrameType::handoff, 1, Bytes(8)));
+  const auto refusal = decode_frame(answer);
+  REQUIRE(refusal);
+  REQUIRE(refusal->type == FrameType::refusal);
+  REQUIRE(read_refusal(*refusal).find("no hello") != std::string::npos);
+  REQUIRE(a.down.empty());
+  REQUIRE(b.links->is_linked(PeerId{0}));
+}
+
+TEST_CASE("a peer that does not take its messages is cut off at the queue's bound") {
+  boost::asio::io_context io;
+  Server a(io, PeerId{0}, {}, world_hash, 1, 1u << 20);
+  tcp::socket lazy(io);
+  lazy.connect({boost::asio::ip::address_v4::loopback(), a.port});
+  PeerLinksOptions self;
+  self.self = PeerId{1};
+  self.incarnation = Incarnation{1};
+  self.world_hash = world_hash;
+  const auto hello = make_hello(self, {}, false);
+  boost::asio::write(lazy, boost::asio::buffer(*hello));
+  REQUIRE(run_until(io, [&] { return a.up.size() == 1; }));
+  for (int i = 0; i < 400 && a.down.empty(); ++i) {
+    a.links->send(PeerId{1}, message(64 << 10));
+    io.restart();
+    io.poll();
+  }
+  REQUIRE(a.down.size() == 1);
+}
+
+TEST_CASE("two servers on one address: the second is told that the port is taken") {
+  boost::asio::io_context io;
+  Server a(io, PeerId{0});
+  WorldClock clock;
+  PeerLinks second(io, {}, clock, {});
+  const auto port = second.listen({"127.0.0.1", a.port});
+  REQUIRE_FALSE(port);
+  REQUIRE(port.error().message.find(std::to_string(a.port)) != std::string::npos);
+}

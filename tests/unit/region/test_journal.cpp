@@ -1,0 +1,101 @@
+// Messages that must arrive: repeats, resets, restarts.
+#include "server/region/journal.h"
+#include "tests/support/catch.h"
+
+using namespace aureole;
+
+namespace {
+
+Bytes text(char c) { return Bytes(8, static_cast<std::byte>(c)); }
+
+std::vector<std::uint64_t> sequences(const std::vector<SharedBytes>& frames) {
+  std::vector<std::uint64_t> all;
+  for (const auto& frame : frames) all.push_back(decode_frame(*frame)->sequence);
+  return all;
+}
+
+using Numbers = std::vector<std::uint64_t>;
+
+}  // namespace
+
+TEST_CASE("each message is sent once over a link that holds") {
+  Journal journal;
+  journal.link_up(Incarnation{7});
+  journal.append(FrameType::handoff, text('a'));
+  journal.append(FrameType::handoff, text('b'));
+  REQUIRE(sequences(journal.take_unsent()) == Numbers{1, 2});
+  REQUIRE(journal.take_unsent().empty());
+}
+
+TEST_CASE("what is not acknowledged stays, what is acknowledged goes") {
+  Journal journal;
+  journal.link_up(Incarnation{7});
+  for (char c : {'a', 'b', 'c'}) journal.append(FrameType::handoff, text(c));
+  journal.take_unsent();
+  REQUIRE(journal.acknowledge(2));
+  REQUIRE(journal.unacknowledged().size() == 1);
+  REQUIRE(journal.unacknowledged().front().sequence == 3);
+  REQUIRE(journal.acknowledge(1));  // An old acknowledgement, come late.
+  REQUIRE(journal.unacknowledged().size() == 1);
+}
+
+TEST_CASE("after a reset what is in doubt is sent again with the same numbers") {
+  Journal journal;
+  journal.link_up(Incarnation{7});
+  for (char c : {'a', 'b', 'c'}) journal.append(FrameType::handoff, text(c));
+  journal.take_unsent();
+  REQUIRE(journal.acknowledge(1));
+  journal.link_up(Incarnation{7});
+  journal.append(FrameType::handoff, text('d'));
+  const auto frames = journal.take_unsent();
+  REQUIRE(sequences(frames) == Numbers{2, 3, 4});
+  REQUIRE(decode_frame(*frames[0])->payload == text('b'));
+}
+
+TEST_CASE("towards a restarted peer everything is numbered anew") {
+  Journal journal;
+  journal.link_up(Incarnation{7});
+  for (char c : {'a', 'b', 'c'}) journal.append(FrameType::handoff, text(c));
+  journal.take_unsent();
+  REQUIRE(journal.acknowledge(2));
+  journal.link_up(Incarnation{8});
+  REQUIRE(sequences(journal.take_unsent()) == Numbers{1});
+}
+
+TEST_CASE("a message that comes twice is taken once and acknowledged twice") {
+  Journal journal;
+  journal.link_up(Incarnation{7});
+  REQUIRE(*journal.arrive(1) == Journal::Arrival::fresh);
+  REQUIRE(journal.take_acknowledgement_due());
+  REQUIRE_FALSE(journal.take_acknowledgement_due());
+  REQUIRE(*journal.arrive(1) == Journal::Arrival::repeated);
+  REQUIRE(journal.take_acknowledgement_due());
+  REQUIRE(journal.taken() == 1);
+}
+
+TEST_CASE("a gap is a fault of the sender and nothing is taken") {
+  Journal journal;
+  journal.link_up(Incarnation{7});
+  REQUIRE(journal.arrive(1));
+  REQUIRE_FALSE(journal.arrive(3));
+  REQUIRE(journal.taken() == 1);
+}
+
+TEST_CASE("the numbers of a restarted sender begin anew") {
+  Journal journal;
+  journal.link_up(Incarnation{7});
+  REQUIRE(journal.arrive(1));
+  REQUIRE(journal.arrive(2));
+  journal.link_up(Incarnation{8});
+  REQUIRE(*journal.arrive(1) == Journal::Arrival::fresh);
+}
+
+TEST_CASE("an acknowledgement of what was never sent is a fault") {
+  Journal journal;
+  journal.link_up(Incarnation{7});
+  journal.append(FrameType::handoff, text('a'));
+  REQUIRE_FALSE(journal.acknowledge(1));
+  journal.take_unsent();
+  REQUIRE_FALSE(journal.acknowledge(2));
+  REQUIRE(journal.acknowledge(1));
+}
