@@ -1,4 +1,5 @@
-// A gateway without a world behind it: speaks protocol/WIRE_FORMAT.md, serves the built page, and misbehaves when told to.
+// A gateway without a world behind it: speaks protocol/WIRE_FORMAT.md, serves the built page, and
+// misbehaves when told to.
 //
 // By hand, to work on the page:  sh web/build && node tests/e2e/mock_gateway.mjs [PORT]
 import { randomBytes } from "node:crypto";
@@ -9,7 +10,13 @@ import { fileURLToPath } from "node:url";
 import { ClientRules } from "./support/client_rules.mjs";
 import { WebSocketServer } from "./support/packages.mjs";
 
-const content_types = { ".html": "text/html; charset=utf-8", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml", ".map": "application/json" };
+const content_types = {
+  ".html": "text/html; charset=utf-8",
+  ".js": "text/javascript",
+  ".css": "text/css",
+  ".svg": "image/svg+xml",
+  ".map": "application/json",
+};
 const regions = [
   { name: "north-west", colour: "#e0a33e" },
   { name: "north-east", colour: "#4f9fd0" },
@@ -24,7 +31,17 @@ export function web_folder() {
 }
 
 /** The header of a picture; fields may be overridden to make hostile ones. */
-export function picture_header({ kind = 1, codec = 1, header_bytes = 32, number = 1, time_us = 0n, seq = 0, width = 1280, height = 720, cost_us = 9000 } = {}) {
+export function picture_header({
+  kind = 1,
+  codec = 1,
+  header_bytes = 32,
+  number = 1,
+  time_us = 0n,
+  seq = 0,
+  width = 1280,
+  height = 720,
+  cost_us = 9000,
+} = {}) {
   const header = Buffer.alloc(32);
   header.writeUInt8(kind, 0);
   header.writeUInt8(codec, 1);
@@ -74,11 +91,17 @@ export class MockGateway {
       this.server.listen(this.port, "localhost", resolve);
     });
     this.port = this.server.address().port;
-    this.timers = [setInterval(() => this.draw_all(), 1000 / this.fps), setInterval(() => this.report_all(), 250)];
+    this.timers = [
+      setInterval(() => this.draw_all(), 1000 / this.fps),
+      setInterval(() => this.report_all(), 250),
+    ];
     return this;
   }
 
-  /** As `kill -9` would end it; `start` brings it back on the same port, and it remembers its players. */
+  /**
+   * As `kill -9` would end it; `start` brings it back on the same port, and it remembers its
+   * players.
+   */
   async stop() {
     this.timers.forEach(clearInterval);
     for (const client of this.clients) client.socket.terminate();
@@ -122,7 +145,9 @@ export class MockGateway {
       response.writeHead(404).end("not here");
       return;
     }
-    response.writeHead(200, { "content-type": content_types[extname(file)] ?? "application/octet-stream" });
+    response.writeHead(200, {
+      "content-type": content_types[extname(file)] ?? "application/octet-stream",
+    });
     response.end(readFileSync(file));
   }
 
@@ -146,8 +171,10 @@ export class MockGateway {
     if (message.seq !== undefined) client.seq = message.seq;
     if (message.type === "join") this.join(client, message);
     else if (message.type === "input") client.keys = message.keys;
-    else if (message.type === "ping") client.socket.send(JSON.stringify({ type: "pong", t: message.t }));
-    else if (message.type === "action" && message.action === "grab") client.player.carrying = !client.player.carrying;
+    else if (message.type === "ping")
+      client.socket.send(JSON.stringify({ type: "pong", t: message.t }));
+    else if (message.type === "action" && message.action === "grab")
+      client.player.carrying = !client.player.carrying;
   }
 
   join(client, { token }) {
@@ -159,7 +186,11 @@ export class MockGateway {
     const resumed = this.players.has(token);
     const own_token = resumed ? token : randomBytes(16).toString("hex");
     if (!resumed) {
-      this.players.set(own_token, { name: String(this.players.size + 1), position: [-6, 1, 12], carrying: false });
+      this.players.set(own_token, {
+        name: String(this.players.size + 1),
+        position: [-6, 1, 12],
+        carrying: false,
+      });
     }
     client.player = this.players.get(own_token);
     client.socket.send(
@@ -169,7 +200,10 @@ export class MockGateway {
         token: own_token,
         player: client.player.name,
         resumed,
-        world: { name: "Playground", description: "Stacks, dominoes and a ball pit, simulated by four servers as one world." },
+        world: {
+          name: "Playground",
+          description: "Stacks, dominoes and a ball pit, simulated by four servers as one world.",
+        },
         regions,
         throwables: ["Ball", "Crate", "Barrel", "Rock"],
         tick_ms: 16,
@@ -182,7 +216,9 @@ export class MockGateway {
       if (client.player === null) continue;
       if (client.keys & 1) client.player.position[2] -= walk_speed / this.fps;
       if (client.keys & 2) client.player.position[2] += walk_speed / this.fps;
-      const open = [...client.rules.sent].filter((number) => !client.rules.acked.has(number)).length;
+      const open = [...client.rules.sent].filter(
+        (number) => !client.rules.acked.has(number),
+      ).length;
       if (this.stalled || this.mute || open >= window_pictures) continue;
       this.send_picture(client);
     }
@@ -195,7 +231,12 @@ export class MockGateway {
     const jpeg = jpegs[((step % jpegs.length) + jpegs.length) % jpegs.length];
     const time_us = BigInt(Math.round(performance.now() * 1000));
     client.rules.sent.add(++client.number);
-    client.socket.send(Buffer.concat([picture_header({ number: client.number, time_us, seq: client.seq, width, height }), jpeg]));
+    client.socket.send(
+      Buffer.concat([
+        picture_header({ number: client.number, time_us, seq: client.seq, width, height }),
+        jpeg,
+      ]),
+    );
   }
 
   /** Many pictures at once, without regard for the window. */

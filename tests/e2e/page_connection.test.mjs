@@ -1,8 +1,14 @@
-// The connection is lost, refused, silent or hostile: the page says so, goes on by itself where it may, and never breaks.
+// The connection is lost, refused, silent or hostile: the page says so, goes on by itself where it
+// may, and never breaks.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { picture_header } from "./mock_gateway.mjs";
-import { keep_screenshot, statistics_of, wait_for_page, wait_for_pictures } from "./support/browser.mjs";
+import {
+  keep_screenshot,
+  statistics_of,
+  wait_for_page,
+  wait_for_pictures,
+} from "./support/browser.mjs";
 import { eventually, mock_fixture } from "./support/mock_fixture.mjs";
 
 const fixture = mock_fixture();
@@ -17,17 +23,25 @@ test("after the gateway is killed and comes back the player goes on with the sam
   await page.waitForSelector("#notice", { state: "visible" });
   assert.equal(await page.textContent("#notice-title"), "Connection lost");
   await wait_for_page(page, "the loss", (a) => !a.connected && a.rtt_ms === null);
-  await eventually("the grace to be counted down", async () => /another 2\d s/.test(await page.textContent("#notice-text")));
+  await eventually("the grace to be counted down", async () =>
+    /another 2\d s/.test(await page.textContent("#notice-text")),
+  );
   await keep_screenshot(page, "page-connection-lost");
   await gateway.start();
-  await wait_for_page(page, "the connection", (a) => a.connected && a.resumed && a.reconnects === 1);
+  await wait_for_page(
+    page,
+    "the connection",
+    (a) => a.connected && a.resumed && a.reconnects === 1,
+  );
   await wait_for_pictures(page);
   await page.waitForSelector("#notice", { state: "hidden" });
   const known = await statistics_of(page);
   assert.equal(known.token, before.token);
   assert.equal(known.player, before.player);
   // What was switched on and what is still held is told to the new connection.
-  const after_join = gateway.received.slice(gateway.received.map((message) => message.type).lastIndexOf("join"));
+  const after_join = gateway.received.slice(
+    gateway.received.map((message) => message.type).lastIndexOf("join"),
+  );
   assert.equal(after_join[0].token, before.token);
   assert.ok(after_join.some((message) => message.type === "view" && message.boundaries));
   assert.ok(after_join.some((message) => message.type === "input" && message.keys === 1));
@@ -38,7 +52,12 @@ test("a reload of the page keeps the avatar", async () => {
   const page = await fixture.open_playing();
   const before = await statistics_of(page);
   await page.reload();
-  await wait_for_page(page, "the same player", (a, token) => a.resumed && a.token === token, before.token);
+  await wait_for_page(
+    page,
+    "the same player",
+    (a, token) => a.resumed && a.token === token,
+    before.token,
+  );
   assert.equal((await statistics_of(page)).player, before.player);
 });
 
@@ -48,7 +67,12 @@ test("a player who was forgotten is told that they start anew", async () => {
   const before = await statistics_of(page);
   gateway.forget_players();
   gateway.drop_connections();
-  await wait_for_page(page, "a new token", (a, token) => a.connected && a.token !== token, before.token);
+  await wait_for_page(
+    page,
+    "a new token",
+    (a, token) => a.connected && a.token !== token,
+    before.token,
+  );
   await eventually("the note", async () => /start anew/.test(await page.textContent("#notes")));
 });
 
@@ -57,7 +81,10 @@ test("an error is shown as its sentence, nothing is retried unasked, and the but
   const page = await fixture.open_playing();
   gateway.refuse("Another page has taken over this <b>player</b>.");
   await page.waitForSelector("#notice", { state: "visible" });
-  assert.equal(await page.textContent("#notice-text"), "Another page has taken over this <b>player</b>.");
+  assert.equal(
+    await page.textContent("#notice-text"),
+    "Another page has taken over this <b>player</b>.",
+  );
   await keep_screenshot(page, "page-error");
   await page.waitForTimeout(1500);
   assert.equal(gateway.messages("join").length, 1, "the page joined again although it was refused");
@@ -131,7 +158,9 @@ test("a picture that is no JPEG is acknowledged, so that the gateway's window do
   await eventually("all acknowledgements", () => rules.acked.size === rules.sent.size);
   const number = 1_000_000;
   rules.sent.add(number);
-  gateway.send_binary(Buffer.concat([picture_header({ number }), Buffer.from("this is no JPEG at all")]));
+  gateway.send_binary(
+    Buffer.concat([picture_header({ number }), Buffer.from("this is no JPEG at all")]),
+  );
   await eventually("its acknowledgement", () => rules.acked.has(number));
   assert.match((await statistics_of(page)).last_problem, /could not be decoded/);
   gateway.stalled = false;
@@ -144,7 +173,11 @@ test("a longer header of a newer server is skipped", async () => {
   gateway.stalled = true;
   const number = 2_000_000;
   for (const { rules } of gateway.clients) rules.sent.add(number);
-  const longer = Buffer.concat([picture_header({ number, header_bytes: 40 }), Buffer.alloc(8, 0xff), gateway.pictures.jpegs[1]]);
+  const longer = Buffer.concat([
+    picture_header({ number, header_bytes: 40 }),
+    Buffer.alloc(8, 0xff),
+    gateway.pictures.jpegs[1],
+  ]);
   gateway.send_binary(longer);
   await wait_for_page(page, "the picture", (a, wanted) => a.last_picture.number === wanted, number);
 });
@@ -154,7 +187,11 @@ test("a browser that forbids storage still plays", async () => {
   const page = await fixture.open("?autostart");
   await page.addInitScript(() => {
     for (const name of ["localStorage", "sessionStorage"]) {
-      Object.defineProperty(window, name, { get: () => { throw new DOMException("forbidden", "SecurityError"); } });
+      Object.defineProperty(window, name, {
+        get: () => {
+          throw new DOMException("forbidden", "SecurityError");
+        },
+      });
     }
   });
   await page.goto(`${gateway.url}/`);

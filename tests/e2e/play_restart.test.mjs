@@ -1,8 +1,24 @@
-// The gateway crashes and is started again: the page says so, comes back, and the player goes on where they stood.
+// The gateway crashes and is started again: the page says so, comes back, and the player goes on
+// where they stood.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { distance, look_at, position_of, stand_still, wait_for_status, walk_until } from "./support/avatar.mjs";
-import { keep_screenshot, launch_browser, open_page, statistics_of, wait_for_page, wait_for_pictures, without_refused_connections } from "./support/browser.mjs";
+import {
+  distance,
+  look_at,
+  position_of,
+  stand_still,
+  wait_for_status,
+  walk_until,
+} from "./support/avatar.mjs";
+import {
+  keep_screenshot,
+  launch_browser,
+  open_page,
+  statistics_of,
+  wait_for_page,
+  wait_for_pictures,
+  without_refused_connections,
+} from "./support/browser.mjs";
 import { api_status, start_world_by_hand } from "./support/world.mjs";
 
 let browser = null;
@@ -37,14 +53,26 @@ test("after the gateway is killed and started again the same player stands where
   await wait_for_page(page, "the connection to come back", (a) => a.connected && a.reconnects >= 1);
   await wait_for_pictures(page);
   await page.waitForSelector("#notice", { state: "hidden" });
-  await wait_for_page(page, "a status of the new gateway", (a, old) => a.status.world_time_s > old, lost.status.world_time_s);
+  await wait_for_page(
+    page,
+    "a status of the new gateway",
+    (a, old) => a.status.world_time_s > old,
+    lost.status.world_time_s,
+  );
 
   const now = await statistics_of(page);
   assert.equal(now.resumed, true, "the player had to start anew");
   assert.equal(now.token, before.token);
   assert.equal(now.player, before.player);
-  assert.ok(distance(await stand_still(page), place) < 0.5, `the avatar stood at ${place} and is at ${await position_of(page)}`);
-  assert.equal((await api_status(world.url)).players, 1, "the avatar of before is there a second time");
+  assert.ok(
+    distance(await stand_still(page), place) < 0.5,
+    `the avatar stood at ${place} and is at ${await position_of(page)}`,
+  );
+  assert.equal(
+    (await api_status(world.url)).players,
+    1,
+    "the avatar of before is there a second time",
+  );
 
   // It is not only a picture: the avatar still obeys.
   await walk_until(page, (position) => distance(position, place) > 1);

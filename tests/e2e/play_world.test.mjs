@@ -1,9 +1,33 @@
-// The whole thing: `aureole play` with a real browser. Pictures come, W walks, a thrown ball crosses a boundary.
+// The whole thing: `aureole play` with a real browser. Pictures come, W walks, a thrown ball
+// crosses a boundary.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { look_at, position_of, distance, stand_still, throw_once, wait_for_status, walk_until, yaw_towards } from "./support/avatar.mjs";
-import { keep_screenshot, launch_browser, open_page, picture_difference, picture_pixels, statistics_of, wait_for_pictures } from "./support/browser.mjs";
-import { api_status, eventually_status, migrations_of, pause, start_play } from "./support/world.mjs";
+import {
+  look_at,
+  position_of,
+  distance,
+  stand_still,
+  throw_once,
+  wait_for_status,
+  walk_until,
+  yaw_towards,
+} from "./support/avatar.mjs";
+import {
+  keep_screenshot,
+  launch_browser,
+  open_page,
+  picture_difference,
+  picture_pixels,
+  statistics_of,
+  wait_for_pictures,
+} from "./support/browser.mjs";
+import {
+  api_status,
+  eventually_status,
+  migrations_of,
+  pause,
+  start_play,
+} from "./support/world.mjs";
 
 let browser = null;
 let world = null;
@@ -16,7 +40,10 @@ after(async () => {
   await world?.stop();
 });
 
-/** Opens the page, waits until it plays, runs the test, and checks that the page complained about nothing. */
+/**
+ * Opens the page, waits until it plays, runs the test, and checks that the page complained about
+ * nothing.
+ */
 async function playing(run) {
   const { page, complaints } = await open_page(browser, `${world.url}/?autostart`);
   try {
@@ -37,16 +64,27 @@ test("the page loads, pictures arrive and are decoded, and the numbers agree wit
     const known = await statistics_of(page);
     assert.equal(known.connected, true);
     assert.ok(known.frames_decoded >= 30);
-    assert.deepEqual([known.last_picture.width, known.last_picture.height], [known.view.width, known.view.height]);
+    assert.deepEqual(
+      [known.last_picture.width, known.last_picture.height],
+      [known.view.width, known.view.height],
+    );
     const status = await api_status(world.url);
     assert.equal(status.regions.length, 4);
-    assert.ok(status.regions.every((region) => region.up), "a region is down");
-    assert.ok(status.regions.some((region) => region.name === known.status.region), `unknown region ${known.status.region}`);
+    assert.ok(
+      status.regions.every((region) => region.up),
+      "a region is down",
+    );
+    assert.ok(
+      status.regions.some((region) => region.name === known.status.region),
+      `unknown region ${known.status.region}`,
+    );
     assert.ok(status.bodies > 100, `the playground has only ${status.bodies} bodies`);
     assert.ok(status.players >= 1);
     const pixels = await picture_pixels(page);
     const mean = pixels.reduce((sum, value) => sum + value, 0) / pixels.length;
-    const spread = Math.sqrt(pixels.reduce((sum, value) => sum + (value - mean) ** 2, 0) / pixels.length);
+    const spread = Math.sqrt(
+      pixels.reduce((sum, value) => sum + (value - mean) ** 2, 0) / pixels.length,
+    );
     assert.ok(spread > 8, `the picture is one flat colour (deviation ${spread.toFixed(1)} of 255)`);
     await keep_screenshot(page, "play-playground");
   });
@@ -58,7 +96,10 @@ test("world time runs, and the pictures show it running", async () => {
     await pause(2000);
     const now = await statistics_of(page);
     assert.ok(now.status.world_time_s > before.status.world_time_s);
-    assert.ok(now.last_picture.number > before.last_picture.number, "no new picture came in two seconds");
+    assert.ok(
+      now.last_picture.number > before.last_picture.number,
+      "no new picture came in two seconds",
+    );
     assert.ok(now.last_picture.world_time_us > before.last_picture.world_time_us);
   });
 });
@@ -76,21 +117,29 @@ test("W moves the avatar and changes the picture; standing still does neither", 
     await wait_for_pictures(page);
     assert.ok(distance(start, await position_of(page)) > 1);
     const walked = picture_difference(picture, await picture_pixels(page));
-    // Something far away may still roll while the avatar stands, so the walk is measured against that.
-    assert.ok(walked > 1 && walked > 3 * idle, `walking changed the picture by ${walked.toFixed(2)}, standing still by ${idle.toFixed(2)}`);
+    // Something far away may still roll while the avatar stands, so the walk is measured against
+    // that.
+    assert.ok(
+      walked > 1 && walked > 3 * idle,
+      `walking changed the picture by ${walked.toFixed(2)}, standing still by ${idle.toFixed(2)}`,
+    );
   });
 });
 
 test("a thrown ball crosses the boundary that the avatar faces", async () => {
   await playing(async (page) => {
-    // The playground is cut at x = 0 (and z = 0). Stand about 4 m before x = 0, away from z = 0, and look straight across.
+    // The playground is cut at x = 0 (and z = 0). Stand about 4 m before x = 0, away from z = 0,
+    // and look straight across.
     const start = await stand_still(page);
     const side = start[0] < 0 ? -1 : 1;
     const away = start[2] < 0 ? -1 : 1;
     const stand = [side * 4, start[1], away * Math.max(6, Math.abs(start[2]))];
     if (distance(start, stand) > 1.5) {
       await look_at(page, yaw_towards(start, stand));
-      await walk_until(page, (position) => Math.abs(position[0]) < 5 || distance(position, stand) < 1.5);
+      await walk_until(
+        page,
+        (position) => Math.abs(position[0]) < 5 || distance(position, stand) < 1.5,
+      );
     }
     const here = await stand_still(page);
     assert.ok(here[0] * side > 0.5, `the avatar walked past the boundary, to ${here}`);
@@ -109,12 +158,27 @@ test("a thrown ball crosses the boundary that the avatar faces", async () => {
       await throw_once(page);
       await pause(250);
     }
-    const thrown = await eventually_status(world.url, "the balls to be in the world", (status) => status.bodies >= before.bodies + balls);
+    const thrown = await eventually_status(
+      world.url,
+      "the balls to be in the world",
+      (status) => status.bodies >= before.bodies + balls,
+    );
     assert.ok(thrown.bodies >= before.bodies + balls);
-    const arrived = await eventually_status(world.url, "a ball to cross the boundary", (status) => migrations_of(status) >= migrations_of(before) + idle + 3);
+    const arrived = await eventually_status(
+      world.url,
+      "a ball to cross the boundary",
+      (status) => migrations_of(status) >= migrations_of(before) + idle + 3,
+    );
     const sent = (status) => status.regions.find((item) => item.name === region).migrations_out;
-    assert.ok(sent(arrived) > sent(before), `region ${region}, in which the avatar stands, handed nothing over`);
-    assert.equal((await statistics_of(page)).status.region, region, "the avatar itself has changed its region");
+    assert.ok(
+      sent(arrived) > sent(before),
+      `region ${region}, in which the avatar stands, handed nothing over`,
+    );
+    assert.equal(
+      (await statistics_of(page)).status.region,
+      region,
+      "the avatar itself has changed its region",
+    );
     await keep_screenshot(page, "play-thrown");
   });
 });
@@ -129,6 +193,9 @@ test("B and C change the picture and back", async () => {
     await page.keyboard.press("KeyC");
     await pause(1500);
     const again = picture_difference(plain, await picture_pixels(page));
-    assert.ok(coloured > 2 * again + 0.1, `region colours changed the picture by ${coloured.toFixed(2)}, taking them off left ${again.toFixed(2)}`);
+    assert.ok(
+      coloured > 2 * again + 0.1,
+      `region colours changed the picture by ${coloured.toFixed(2)}, taking them off left ${again.toFixed(2)}`,
+    );
   });
 });

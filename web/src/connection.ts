@@ -1,4 +1,5 @@
-// The WebSocket to the gateway: joins, measures the round trip, and comes back by itself after the connection is lost.
+// The WebSocket to the gateway: joins, measures the round trip, and comes back by itself after the
+// connection is lost.
 
 import {
   ActionName,
@@ -30,7 +31,8 @@ export interface ConnectionHandlers {
 const back_off_first_ms = 300;
 const back_off_max_ms = 3000;
 const beat_ms = 1000;
-// Beats rather than milliseconds: after this page itself was held up for long, one late beat must not look like silence.
+// Beats rather than milliseconds: after this page itself was held up for long, one late beat must
+// not look like silence.
 const silent_beats_max = 6;
 const backlog_bytes_max = 64 * 1024;
 
@@ -83,7 +85,13 @@ export class Connection {
 
   send_input(keys: number, yaw: number, pitch: number): boolean {
     if (!this.can_send()) return false;
-    return this.send({ type: "input", seq: ++this.seq_, keys, yaw: short(yaw), pitch: short(pitch) });
+    return this.send({
+      type: "input",
+      seq: ++this.seq_,
+      keys,
+      yaw: short(yaw),
+      pitch: short(pitch),
+    });
   }
 
   send_action(action: ActionName, yaw: number, pitch: number, item: number): boolean {
@@ -177,8 +185,12 @@ export class Connection {
     this.rtt_ms = null;
     this.set_state("lost");
     const wait_ms = Math.min(back_off_max_ms, back_off_first_ms * 2 ** this.attempt_++);
-    // A little chance keeps a crowd of pages from knocking all at once on a gateway that has just started.
-    this.retry_timer_ = window.setTimeout(() => this.connect(), wait_ms * (0.85 + 0.15 * Math.random()));
+    // A little chance keeps a crowd of pages from knocking all at once on a gateway that has just
+    // started.
+    this.retry_timer_ = window.setTimeout(
+      () => this.connect(),
+      wait_ms * (0.85 + 0.15 * Math.random()),
+    );
   }
 
   private refuse(sentence: string): void {

@@ -1,4 +1,5 @@
-// Pictures onto the canvas: decoded off the main thread, only the newest one is ever shown, and each one is acknowledged.
+// Pictures onto the canvas: decoded off the main thread, only the newest one is ever shown, and
+// each one is acknowledged.
 
 import { Picture } from "./protocol";
 
@@ -19,7 +20,8 @@ export interface DisplayHandlers {
   on_first_picture(): void;
 }
 
-// Pictures whose acknowledgement is still due. The gateway's window is far smaller; one that ignores it shall not fill memory.
+// Pictures whose acknowledgement is still due. The gateway's window is far smaller; one that
+// ignores it shall not fill memory.
 const owed_max = 256;
 
 export class Display {
@@ -55,7 +57,10 @@ export class Display {
     if (!this.decoding_) void this.decode();
   }
 
-  /** The connection is gone: nothing of the old one is owed, decoded or shown any more. The last picture stays. */
+  /**
+   * The connection is gone: nothing of the old one is owed, decoded or shown any more. The last
+   * picture stays.
+   */
   forget(): void {
     this.generation_++;
     this.next_ = null;
@@ -106,11 +111,22 @@ export class Display {
     this.context_.transferFromImageBitmap(bitmap);
     this.frames_shown++;
     const { number, world_time_us, input_seq, render_ms, jpeg } = picture;
-    this.last_picture = { number, width, height, world_time_us, input_seq, bytes: jpeg.length, render_ms };
+    this.last_picture = {
+      number,
+      width,
+      height,
+      world_time_us,
+      input_seq,
+      bytes: jpeg.length,
+      render_ms,
+    };
     if (this.frames_shown === 1) this.handlers_.on_first_picture();
   }
 
-  /** Acknowledges all pictures before the one that waits. A hidden page does not, so that nothing is drawn for nobody. */
+  /**
+   * Acknowledges all pictures before the one that waits. A hidden page does not, so that nothing is
+   * drawn for nobody.
+   */
   private settle(): void {
     if (document.hidden) return;
     const waiting = this.next_?.number;
@@ -126,7 +142,8 @@ const steps_min = 5;
 const steps_max = 20;
 
 /**
- * The view to ask for: 16:9, large enough for the window, at most 1280 × 720. Sizes come in steps of 64 × 36 pixels, so that
+ * The view to ask for: 16:9, large enough for the window, at most 1280 × 720. Sizes come in steps
+ * of 64 × 36 pixels, so that
  * dragging the window's edge does not ask for a new size at every pixel.
  */
 export function fitting_size(window_width: number, window_height: number, pixel_ratio: number) {

@@ -1,4 +1,5 @@
-// What is shown around the picture: numbers, the region, what is thrown next, what is carried, and passing notes.
+// What is shown around the picture: numbers, the region, what is thrown next, what is carried, and
+// passing notes.
 
 import { icon_of } from "./icons";
 import { Region, Status, Welcome } from "./protocol";

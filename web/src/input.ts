@@ -1,4 +1,5 @@
-// The keyboard: which movement keys are held, and what a press of the others means. Keys are places, not letters (`code`).
+// The keyboard: which movement keys are held, and what a press of the others means. Keys are
+// places, not letters (`code`).
 
 import { ActionName, Key } from "./protocol";
 
@@ -55,7 +56,9 @@ export class Input {
     document.addEventListener("visibilitychange", () => this.release_all());
   }
 
-  /** The bits of `input.keys`. Two codes may mean one bit, so the bits are made from what is held. */
+  /**
+   * The bits of `input.keys`. Two codes may mean one bit, so the bits are made from what is held.
+   */
   get keys(): number {
     let bits = this.touch_keys_;
     for (const code of this.held_) bits |= movement[code] ?? 0;

@@ -1,4 +1,5 @@
-// The direction of the view: angles that follow the mouse or a finger at once and are sent to the gateway as they are.
+// The direction of the view: angles that follow the mouse or a finger at once and are sent to the
+// gateway as they are.
 
 const pitch_max = 1.55;
 const radians_per_pixel = 0.0022;

@@ -4,11 +4,13 @@ import { Connection, ConnectionState } from "./connection";
 import { Display, fitting_size } from "./display";
 import { Hud, element } from "./hud";
 import { Command, Input } from "./input";
+import { label_keys } from "./layout";
 import { Look } from "./look";
 import { Overlay } from "./overlay";
 import { Pointer } from "./pointer";
-import { Status, View, Welcome, is_token } from "./protocol";
+import { View, Welcome, is_token } from "./protocol";
 import { page_options, recall, remember } from "./settings";
+import { Session, expose_statistics } from "./statistics";
 import { Touch } from "./touch";
 
 const input_interval_ms = 1000 / 60;
@@ -20,15 +22,17 @@ const options = page_options(window.location.search);
 const look = new Look();
 const view: View = { ...wanted_size(), region_colours: false, boundaries: false };
 
-let token = recall("sessionStorage", "token");
-if (!is_token(token)) token = null;
-let status: Status | null = null;
-let player: string | null = null;
-let resumed = false;
-let item = 1;
-let bad_messages = 0;
-let last_problem: string | null = null;
-let fps: number | null = null;
+const stored_token = recall("sessionStorage", "token");
+const session: Session = {
+  token: is_token(stored_token) ? stored_token : null,
+  player: null,
+  resumed: false,
+  status: null,
+  item: 1,
+  fps: null,
+  bad_messages: 0,
+  last_problem: null,
+};
 let first_picture = false;
 
 const overlay = new Overlay({ on_start: start, on_retry: () => connection.connect() });
@@ -46,12 +50,12 @@ const display = new Display(element("picture") as HTMLCanvasElement, {
 const scheme = window.location.protocol === "https:" ? "wss" : "ws";
 const connection = new Connection(
   `${scheme}://${window.location.host}/ws`,
-  () => ({ name: options.name, token, view }),
+  () => ({ name: options.name, token: session.token, view }),
   {
     on_state: connection_changed,
     on_welcome: welcomed,
     on_status: (message) => {
-      status = message;
+      session.status = message;
       hud.status(message);
     },
     on_picture: (picture) => display.offer(picture),
@@ -70,7 +74,7 @@ const pointer = new Pointer(element("stage"), look, {
   playing: () => !overlay.open,
   on_look: send_soon,
   on_throw: throw_item,
-  on_step: (direction) => choose(((item - 1 + direction + 4) % 4) + 1),
+  on_step: (direction) => choose(((session.item - 1 + direction + 4) % 4) + 1),
   on_state: (state) => {
     document.body.classList.toggle("captured", state === "locked");
     if (state === "released") input.release_all();
@@ -89,7 +93,8 @@ new Touch(element("stage"), element("touch-jump"), look, {
   },
 });
 
-// Input: at once when the last message is old enough, otherwise as soon as it is; the newest state always arrives.
+// Input: at once when the last message is old enough, otherwise as soon as it is; the newest state
+// always arrives.
 let sent_at_ms = 0;
 let send_timer = 0;
 
@@ -104,18 +109,19 @@ function send_input(): void {
   send_timer = 0;
   sent_at_ms = performance.now();
   const sent = connection.send_input(input.keys, look.yaw, look.pitch);
-  // A full line: try again until it has room. After a lost connection the welcome sends what is held.
+  // A full line: try again until it has room. After a lost connection the welcome sends what is
+  // held.
   if (!sent && connection.state === "joined") send_timer = window.setTimeout(send_input, 50);
 }
 
 function throw_item(): void {
-  if (connection.send_action("throw", look.yaw, look.pitch, item)) hud.thrown();
+  if (connection.send_action("throw", look.yaw, look.pitch, session.item)) hud.thrown();
 }
 
 function obey(command: Command): void {
   switch (command.kind) {
     case "action":
-      connection.send_action(command.action, look.yaw, look.pitch, item);
+      connection.send_action(command.action, look.yaw, look.pitch, session.item);
       return;
     case "choose":
       choose(command.item);
@@ -126,7 +132,9 @@ function obey(command: Command): void {
       return;
     case "colours":
       view.region_colours = !view.region_colours;
-      view_changed(view.region_colours ? "Bodies coloured by region" : "Bodies in their own colours");
+      view_changed(
+        view.region_colours ? "Bodies coloured by region" : "Bodies in their own colours",
+      );
       return;
     case "help":
       if (overlay.help_open) start();
@@ -134,7 +142,10 @@ function obey(command: Command): void {
       return;
     case "fullscreen":
       if (document.fullscreenElement !== null) void document.exitFullscreen();
-      else document.documentElement.requestFullscreen?.().catch(() => hud.note("This browser does not allow full screen."));
+      else
+        document.documentElement
+          .requestFullscreen?.()
+          .catch(() => hud.note("This browser does not allow full screen."));
       return;
   }
 }
@@ -151,8 +162,8 @@ function draw_toggles(): void {
 }
 
 function choose(chosen: number): void {
-  item = chosen;
-  hud.choose(item);
+  session.item = chosen;
+  hud.choose(session.item);
 }
 
 function open_help(first_time: boolean): void {
@@ -177,16 +188,16 @@ function invite(): void {
 }
 
 function welcomed(welcome: Welcome): void {
-  const had_token = token !== null;
-  token = welcome.token;
-  remember("sessionStorage", "token", token);
-  player = welcome.player;
-  resumed = welcome.resumed;
+  const had_token = session.token !== null;
+  session.token = welcome.token;
+  remember("sessionStorage", "token", session.token);
+  session.player = welcome.player;
+  session.resumed = welcome.resumed;
   hud.welcome(welcome);
-  hud.choose(item);
+  hud.choose(session.item);
   document.title = `${welcome.world.name} · Aureole`;
   if (had_token && connection.reconnects > 0) {
-    hud.note(resumed ? "Welcome back." : "The world went on without you: you start anew.");
+    hud.note(session.resumed ? "Welcome back." : "The world went on without you: you start anew.");
   }
   connection.send_view(view);
   send_input();
@@ -207,12 +218,15 @@ function connection_changed(state: ConnectionState): void {
 }
 
 function note_problem(sentence: string): void {
-  bad_messages++;
-  last_problem = sentence;
+  session.bad_messages++;
+  session.last_problem = sentence;
 }
 
 function wanted_size(): { width: number; height: number } {
-  return options.size ?? fitting_size(window.innerWidth, window.innerHeight, window.devicePixelRatio || 1);
+  return (
+    options.size ??
+    fitting_size(window.innerWidth, window.innerHeight, window.devicePixelRatio || 1)
+  );
 }
 
 let resize_timer = 0;
@@ -232,12 +246,18 @@ window.setInterval(() => {
   const now_ms = performance.now();
   if (connection.lost_at_ms !== null) overlay.lost_for((now_ms - connection.lost_at_ms) / 1000);
   const shown = display.frames_shown;
-  fps = ((shown - counted.shown) * 1000) / (now_ms - counted.at_ms);
+  session.fps = ((shown - counted.shown) * 1000) / (now_ms - counted.at_ms);
   counted = { shown, at_ms: now_ms };
   if (connection.state !== "joined") return;
-  hud.rates(fps, connection.rtt_ms);
-  // A view in which nothing moves may need no new picture; only a first picture that is late is worth a word.
-  hud.waiting(!first_picture || (status !== null && status.fps > 0 && now_ms - display.last_arrival_ms > waiting_after_ms));
+  hud.rates(session.fps, connection.rtt_ms);
+  // A view in which nothing moves may need no new picture; only a first picture that is late is
+  // worth a word.
+  hud.waiting(
+    !first_picture ||
+      (session.status !== null &&
+        session.status.fps > 0 &&
+        now_ms - display.last_arrival_ms > waiting_after_ms),
+  );
 }, rates_interval_ms);
 
 for (const kind of ["boundaries", "colours", "help", "fullscreen"] as const) {
@@ -247,35 +267,10 @@ for (const action of ["grab", "blast"] as const) {
   element(`touch-${action}`).addEventListener("click", () => obey({ kind: "action", action }));
 }
 
-/** Read-only numbers for tests and for curious players. */
-const statistics = {
-  get frames_decoded() { return display.frames_decoded; },
-  get frames_shown() { return display.frames_shown; },
-  get frames_dropped() { return display.frames_dropped; },
-  get last_picture() { return display.last_picture; },
-  get fps() { return fps; },
-  get rtt_ms() { return connection.rtt_ms; },
-  get status() { return status; },
-  get connected() { return connection.state === "joined"; },
-  get state() { return connection.state; },
-  get reconnects() { return connection.reconnects; },
-  get token() { return token; },
-  get player() { return player; },
-  get resumed() { return resumed; },
-  get item() { return item; },
-  get keys() { return input.keys; },
-  get yaw() { return look.yaw; },
-  get pitch() { return look.pitch; },
-  get view() { return { ...view }; },
-  get pointer() { return pointer.state; },
-  get bad_messages() { return bad_messages; },
-  get last_problem() { return last_problem; },
-};
-export type Statistics = Readonly<typeof statistics>;
-Object.defineProperty(window, "aureole", { value: Object.freeze(statistics) });
-
+expose_statistics({ display, connection, input, look, pointer, view, session });
+void label_keys();
 draw_toggles();
-hud.choose(item);
+hud.choose(session.item);
 if (!options.autostart && recall("localStorage", "seen-help") === null) open_help(true);
 invite();
 connection.connect();

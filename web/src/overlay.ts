@@ -1,4 +1,5 @@
-// What lies over the picture: the help, the invitation to click, and the notices of a lost or refused connection.
+// What lies over the picture: the help, the invitation to click, and the notices of a lost or
+// refused connection.
 
 import { element } from "./hud";
 

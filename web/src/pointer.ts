@@ -1,4 +1,5 @@
-// The mouse: captured, it turns the view and its button throws. Where it cannot be captured, dragging turns the view.
+// The mouse: captured, it turns the view and its button throws. Where it cannot be captured,
+// dragging turns the view.
 
 import { Look } from "./look";
 
@@ -70,7 +71,8 @@ export class Pointer {
   }
 
   private lock_failed(): void {
-    // Right after Escape browsers refuse for a second: another click will do. Where it never worked, drag instead.
+    // Right after Escape browsers refuse for a second: another click will do. Where it never
+    // worked, drag instead.
     if (!this.was_locked_) this.set_state("free");
   }
 
@@ -107,7 +109,8 @@ export class Pointer {
     // A dialog scrolls; pinching and Ctrl+wheel zoom the page.
     if (!this.handlers_.playing() || event.ctrlKey) return;
     event.preventDefault();
-    this.wheel_pixels_ += event.deltaMode === WheelEvent.DOM_DELTA_PIXEL ? event.deltaY : event.deltaY * 40;
+    this.wheel_pixels_ +=
+      event.deltaMode === WheelEvent.DOM_DELTA_PIXEL ? event.deltaY : event.deltaY * 40;
     if (Math.abs(this.wheel_pixels_) < wheel_step_pixels) return;
     this.handlers_.on_step(Math.sign(this.wheel_pixels_));
     this.wheel_pixels_ = 0;

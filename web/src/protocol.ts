@@ -1,4 +1,5 @@
-// The messages between this page and the gateway, read and checked as protocol/WIRE_FORMAT.md describes them.
+// The messages between this page and the gateway, read and checked as protocol/WIRE_FORMAT.md
+// describes them.
 
 export const protocol_version = 1;
 
@@ -40,10 +41,7 @@ export interface Status {
 }
 
 export type ServerMessage =
-  | Welcome
-  | Status
-  | { type: "pong"; t: number }
-  | { type: "error"; message: string };
+  Welcome | Status | { type: "pong"; t: number } | { type: "error"; message: string };
 
 export interface View {
   width: number;
@@ -72,7 +70,10 @@ export interface Picture {
   jpeg: Uint8Array<ArrayBuffer>;
 }
 
-/** What arrived is not what the wire format allows; the message says what was found and what was expected. */
+/**
+ * What arrived is not what the wire format allows; the message says what was found and what was
+ * expected.
+ */
 export class WireError extends Error {}
 
 const picture_header_bytes = 32;

@@ -1,4 +1,5 @@
-// What the page remembers in this browser and what its address asks for. Storage may be forbidden and then throws.
+// What the page remembers in this browser and what its address asks for. Storage may be forbidden
+// and then throws.
 
 export interface PageOptions {
   /** Start playing without the help or a click (tests). */

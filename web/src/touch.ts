@@ -1,4 +1,5 @@
-// Fingers: the left half of the screen is a stick that walks, the right half turns the view, and a tap there throws.
+// Fingers: the left half of the screen is a stick that walks, the right half turns the view, and a
+// tap there throws.
 
 import { Look } from "./look";
 import { Key } from "./protocol";
@@ -98,7 +99,8 @@ export class Touch {
       if (finger === undefined) continue;
       event.preventDefault();
       this.fingers_.delete(touch.identifier);
-      const short = performance.now() - finger.began_ms < tap_ms_max && finger.path < tap_pixels_max;
+      const short =
+        performance.now() - finger.began_ms < tap_ms_max && finger.path < tap_pixels_max;
       if (lifted && finger.role === "look" && short) this.handlers_.on_throw();
     }
     this.send_keys();

@@ -1,4 +1,5 @@
-// Moves a player's avatar about as a person would, with keys and mouse, guided by what the page is told.
+// Moves a player's avatar about as a person would, with keys and mouse, guided by what the page is
+// told.
 import { capture_pointer, patience_ms, statistics_of, wait_for_page } from "./browser.mjs";
 import { pause } from "./world.mjs";
 
@@ -30,7 +31,10 @@ export function yaw_towards(from, to) {
   return Math.atan2(from[0] - to[0], from[2] - to[2]);
 }
 
-/** Turns the view by moving the captured mouse, in steps small enough for any browser; corrects itself. */
+/**
+ * Turns the view by moving the captured mouse, in steps small enough for any browser; corrects
+ * itself.
+ */
 export async function look_at(page, yaw, pitch = 0) {
   await capture_pointer_once(page);
   const middle = { x: 640, y: 360 };
@@ -41,10 +45,12 @@ export async function look_at(page, yaw, pitch = 0) {
     const turn = Math.atan2(Math.sin(yaw - known.yaw), Math.cos(yaw - known.yaw));
     const rise = pitch - known.pitch;
     if (Math.abs(turn) < 0.02 && Math.abs(rise) < 0.02) return;
-    const step = (radians) => Math.max(-250, Math.min(250, Math.round(-radians * pixels_per_radian)));
+    const step = (radians) =>
+      Math.max(-250, Math.min(250, Math.round(-radians * pixels_per_radian)));
     const next = { x: at.x + step(turn), y: at.y + step(rise) };
     if (next.x < 20 || next.x > 1260 || next.y < 20 || next.y > 700) {
-      // At the window's edge: put the mouse back. That turns the view too, and the next round makes up for it.
+      // At the window's edge: put the mouse back. That turns the view too, and the next round makes
+      // up for it.
       next.x = middle.x;
       next.y = middle.y;
     }
@@ -61,7 +67,11 @@ async function capture_pointer_once(page) {
 }
 
 /** Walks until a condition on the position holds. Jumps when something is in the way. */
-export async function walk_until(page, condition, { sprint = false, timeout_ms = patience_ms } = {}) {
+export async function walk_until(
+  page,
+  condition,
+  { sprint = false, timeout_ms = patience_ms } = {},
+) {
   const until_ms = performance.now() + timeout_ms;
   if (sprint) await page.keyboard.down("ShiftLeft");
   await page.keyboard.down("KeyW");
@@ -71,7 +81,8 @@ export async function walk_until(page, condition, { sprint = false, timeout_ms =
       await pause(300);
       const now = await position_of(page);
       if (condition(now)) return now;
-      if (performance.now() > until_ms) throw new Error(`The avatar walked for ${timeout_ms / 1000} s and is at ${now}.`);
+      if (performance.now() > until_ms)
+        throw new Error(`The avatar walked for ${timeout_ms / 1000} s and is at ${now}.`);
       if (distance(before, now) < 0.1) await page.keyboard.press("Space", { delay: 200 });
       before = now;
     }

@@ -3,15 +3,22 @@ import { existsSync, mkdirSync } from "node:fs";
 import { join } from "node:path";
 import { chromium } from "./packages.mjs";
 
-const candidates = [process.env.AUREOLE_CHROMIUM, "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
+const candidates = [
+  process.env.AUREOLE_CHROMIUM,
+  "/usr/bin/chromium",
+  "/usr/bin/chromium-browser",
+  "/usr/bin/google-chrome",
+];
 
 /** Everything here waits for two slow, busy cores before it gives up. */
-export const patience_ms = 60_000;
+export const patience_ms = Number(process.env.AUREOLE_TEST_PATIENCE_MS ?? 60_000);
 
 export async function launch_browser() {
   const executablePath = candidates.find((path) => path && existsSync(path));
   if (!executablePath) {
-    throw new Error("Chromium is missing: apt-get install chromium, or name one in AUREOLE_CHROMIUM.");
+    throw new Error(
+      "Chromium is missing: apt-get install chromium, or name one in AUREOLE_CHROMIUM.",
+    );
   }
   return chromium.launch({
     executablePath,
@@ -29,10 +36,15 @@ export async function launch_browser() {
 }
 
 /**
- * Opens an address in a fresh context (own storage). `complaints` fills with console errors and uncaught exceptions.
+ * Opens an address in a fresh context (own storage). `complaints` fills with console errors and
+ * uncaught exceptions.
  * @returns {Promise<{page: import("playwright-core").Page, complaints: string[]}>}
  */
-export async function open_page(browser, url, { width = 1280, height = 720, ...context_options } = {}) {
+export async function open_page(
+  browser,
+  url,
+  { width = 1280, height = 720, ...context_options } = {},
+) {
   const context = await browser.newContext({ viewport: { width, height }, ...context_options });
   const page = await context.newPage();
   page.setDefaultTimeout(patience_ms);
@@ -46,9 +58,14 @@ export async function open_page(browser, url, { width = 1280, height = 720, ...c
   return { page, complaints };
 }
 
-/** Chromium itself reports every refused connection; while a gateway is down on purpose that is no fault of the page. */
+/**
+ * Chromium itself reports every refused connection; while a gateway is down on purpose that is no
+ * fault of the page.
+ */
 export function without_refused_connections(complaints) {
-  return complaints.filter((text) => !/WebSocket connection to .* failed|ERR_CONNECTION_REFUSED/.test(text));
+  return complaints.filter(
+    (text) => !/WebSocket connection to .* failed|ERR_CONNECTION_REFUSED/.test(text),
+  );
 }
 
 /** `window.aureole` as plain data. */
@@ -60,11 +77,15 @@ export function statistics_of(page) {
   });
 }
 
-/** Waits until a predicate over `window.aureole` holds; the error says what the page knew when patience ran out. */
+/**
+ * Waits until a predicate over `window.aureole` holds; the error says what the page knew when
+ * patience ran out.
+ */
 export async function wait_for_page(page, what, predicate, argument = null, timeout = patience_ms) {
   const question = `window.aureole !== undefined && (${predicate})(window.aureole, ${JSON.stringify(argument)})`;
   const until_ms = performance.now() + timeout;
-  // Asked from here: the page's own security policy forbids code that is made from strings inside it.
+  // Asked from here: the page's own security policy forbids code that is made from strings inside
+  // it.
   while (!(await page.evaluate(question))) {
     if (performance.now() > until_ms) {
       const known = JSON.stringify(await statistics_of(page));
@@ -77,10 +98,14 @@ export async function wait_for_page(page, what, predicate, argument = null, time
 export function wait_for_pictures(page, count = 5) {
   return page
     .evaluate(() => window.aureole.frames_shown)
-    .then((shown) => wait_for_page(page, `${count} more pictures`, (a, n) => a.frames_shown >= n, shown + count));
+    .then((shown) =>
+      wait_for_page(page, `${count} more pictures`, (a, n) => a.frames_shown >= n, shown + count),
+    );
 }
 
-/** Clicks into the world until the pointer is captured (or the page has found that it cannot be). */
+/**
+ * Clicks into the world until the pointer is captured (or the page has found that it cannot be).
+ */
 export async function capture_pointer(page) {
   await page.mouse.move(640, 330);
   for (let attempt = 0; attempt < 5; attempt++) {
@@ -95,7 +120,10 @@ export async function capture_pointer(page) {
   throw new Error("The pointer was never captured.");
 }
 
-/** The picture on the canvas, shrunk to 160 × 90, as RGB bytes: small enough to compare, large enough to see a step. */
+/**
+ * The picture on the canvas, shrunk to 160 × 90, as RGB bytes: small enough to compare, large
+ * enough to see a step.
+ */
 export async function picture_pixels(page) {
   return page.evaluate(() => {
     const small = document.createElement("canvas");

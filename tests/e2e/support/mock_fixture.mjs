@@ -1,8 +1,14 @@
-// One browser and one mock gateway for the tests of a file, and the checks that hold after every one of them.
+// One browser and one mock gateway for the tests of a file, and the checks that hold after every
+// one of them.
 import assert from "node:assert/strict";
 import { after, afterEach, before } from "node:test";
 import { MockGateway } from "../mock_gateway.mjs";
-import { launch_browser, open_page, wait_for_pictures, without_refused_connections } from "./browser.mjs";
+import {
+  launch_browser,
+  open_page,
+  wait_for_pictures,
+  without_refused_connections,
+} from "./browser.mjs";
 import { draw_pictures } from "./pictures.mjs";
 
 /** Registers the set-up; the fields are there once the first test runs. */
@@ -36,7 +42,9 @@ export function mock_fixture() {
   };
 
   afterEach(async () => {
-    const complaints = fixture.opened.flatMap((opened) => without_refused_connections(opened.complaints));
+    const complaints = fixture.opened.flatMap((opened) =>
+      without_refused_connections(opened.complaints),
+    );
     for (const { page } of fixture.opened) await page.context().close();
     fixture.opened = [];
     const violations = fixture.gateway?.violations ?? [];

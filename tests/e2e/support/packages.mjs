@@ -7,7 +7,9 @@ function need(name) {
   try {
     return require_from_web(name);
   } catch (problem) {
-    throw new Error(`The npm package ${name} is missing: run "npm ci" in web/ (${problem.message}).`);
+    throw new Error(
+      `The npm package ${name} is missing: run "npm ci" in web/ (${problem.message}).`,
+    );
   }
 }
 

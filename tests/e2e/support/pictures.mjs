@@ -1,6 +1,10 @@
-// JPEG pictures for the mock gateway, drawn by Chromium's own canvas: a walk over a plain of coloured balls.
+// JPEG pictures for the mock gateway, drawn by Chromium's own canvas: a walk over a plain of
+// coloured balls.
 
-/** @returns {Promise<{width: number, height: number, jpegs: Buffer[]}>} one picture for every half metre walked. */
+/**
+ * @returns {Promise<{width: number, height: number, jpegs: Buffer[]}>} one picture for every half
+ * metre walked.
+ */
 export async function draw_pictures(browser, { count = 8, width = 1280, height = 720 } = {}) {
   const page = await browser.newPage();
   try {

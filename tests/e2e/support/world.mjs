@@ -1,4 +1,5 @@
-// Starts real worlds for the tests: `aureole play`, or its five processes one by one. Every process is stopped by its id.
+// Starts real worlds for the tests: `aureole play`, or its five processes one by one. Every process
+// is stopped by its id.
 import { spawn } from "node:child_process";
 import { existsSync } from "node:fs";
 import { createServer } from "node:net";
@@ -10,7 +11,9 @@ const log_characters_max = 20_000;
 function binary() {
   const path = process.env.AUREOLE_BINARY;
   if (!path || !existsSync(path)) {
-    throw new Error(`AUREOLE_BINARY must name the built aureole executable; it is ${JSON.stringify(path ?? null)}.`);
+    throw new Error(
+      `AUREOLE_BINARY must name the built aureole executable; it is ${JSON.stringify(path ?? null)}.`,
+    );
   }
   return path;
 }
@@ -41,7 +44,8 @@ class Child {
       const match = this.output.match(pattern);
       if (match) return match;
       if (this.has_ended) throw new Error(`${this.name} ended early. It wrote:\n${this.output}`);
-      if (performance.now() > until_ms) throw new Error(`${this.name} never wrote ${pattern}. It wrote:\n${this.output}`);
+      if (performance.now() > until_ms)
+        throw new Error(`${this.name} never wrote ${pattern}. It wrote:\n${this.output}`);
       await pause(50);
     }
   }
@@ -53,7 +57,9 @@ class Child {
     if ((await Promise.race([this.ended, late])) === "late") {
       this.process.kill("SIGKILL");
       await this.ended;
-      throw new Error(`${this.name} did not end within ${stop_patience_ms / 1000} s of ${signal}. It wrote:\n${this.output}`);
+      throw new Error(
+        `${this.name} did not end within ${stop_patience_ms / 1000} s of ${signal}. It wrote:\n${this.output}`,
+      );
     }
     return this.ended;
   }
@@ -72,13 +78,16 @@ export async function start_play({ world = "playground" } = {}) {
 }
 
 /**
- * The same world as five processes: four regions, and a gateway that can be killed and started again on its port.
- * THE COMMAND LINES OF `aureole region` AND `aureole gateway` ARE WRITTEN HERE AND NOWHERE ELSE IN THESE TESTS.
+ * The same world as five processes: four regions, and a gateway that can be killed and started
+ * again on its port.
+ * THE COMMAND LINES OF `aureole region` AND `aureole gateway` ARE WRITTEN HERE AND NOWHERE ELSE IN
+ * THESE TESTS.
  */
 export async function start_world_by_hand({ world = "playground", regions = 4 } = {}) {
   const [gateway_port, ...region_ports] = await free_ports(regions + 1);
   const addresses = region_ports.map((port) => `127.0.0.1:${port}`);
-  // Every process knows all regions by their addresses, in the order in which the world file names them.
+  // Every process knows all regions by their addresses, in the order in which the world file names
+  // them.
   const peers = addresses.flatMap((address) => ["--region", address]);
   const region_args = (index) => ["region", "--world", world, "--index", String(index), ...peers];
   const gateway_args = ["gateway", "--world", world, "--port", String(gateway_port), ...peers];
@@ -108,7 +117,11 @@ export async function start_world_by_hand({ world = "playground", regions = 4 } 
   try {
     for (let index = 0; index < regions; index++) start(region_args(index));
     await started.start_gateway();
-    await eventually_status(url, "all regions to be up", (status) => status.regions.length === regions && status.regions.every((region) => region.up));
+    await eventually_status(
+      url,
+      "all regions to be up",
+      (status) => status.regions.length === regions && status.regions.every((region) => region.up),
+    );
     return started;
   } catch (problem) {
     const output = children.map((child) => `--- ${child.name}\n${child.output}`).join("\n");
@@ -132,7 +145,9 @@ export async function eventually_status(url, what, condition, timeout_ms = patie
     last = await api_status(url).catch((problem) => ({ unreachable: problem.message }));
     if (last.unreachable === undefined && condition(last)) return last;
     if (performance.now() > until_ms) {
-      throw new Error(`Waited ${timeout_ms / 1000} s for: ${what}. /api/status says ${JSON.stringify(last)}`);
+      throw new Error(
+        `Waited ${timeout_ms / 1000} s for: ${what}. /api/status says ${JSON.stringify(last)}`,
+      );
     }
     await pause(100);
   }
@@ -149,7 +164,8 @@ async function healthy(url, child) {
     const answer = await fetch(`${url}/healthz`).catch(() => null);
     if (answer?.ok) return;
     if (child.has_ended) throw new Error(`${child.name} ended early. It wrote:\n${child.output}`);
-    if (performance.now() > until_ms) throw new Error(`${url}/healthz never answered. ${child.name} wrote:\n${child.output}`);
+    if (performance.now() > until_ms)
+      throw new Error(`${url}/healthz never answered. ${child.name} wrote:\n${child.output}`);
     await pause(100);
   }
 }
@@ -157,11 +173,15 @@ async function healthy(url, child) {
 /** Ports that were free a moment ago, all different. */
 async function free_ports(count) {
   const servers = await Promise.all(
-    Array.from({ length: count }, () => new Promise((resolve, reject) => {
-      const server = createServer();
-      server.once("error", reject);
-      server.listen(0, "127.0.0.1", () => resolve(server));
-    })),
+    Array.from(
+      { length: count },
+      () =>
+        new Promise((resolve, reject) => {
+          const server = createServer();
+          server.once("error", reject);
+          server.listen(0, "127.0.0.1", () => resolve(server));
+        }),
+    ),
   );
   const ports = servers.map((server) => server.address().port);
   await Promise.all(servers.map((server) => new Promise((resolve) => server.close(resolve))));
