@@ -18,13 +18,13 @@ struct Rgb {
 /// Index into the mesh table that a Renderer was made with.
 using MeshIndex = std::uint16_t;
 
-/// One drawn thing: a rigid pose of a mesh. Instances are drawn sorted by `sort_key`, so that a frame
-/// depends on the scene alone and not on the order in which it was gathered.
+/// One drawn thing: a rigid pose of a mesh. Instances are drawn sorted by `sort_key`, so that a
+/// frame depends on the scene alone and not on the order in which it was gathered.
 struct Instance {
   std::uint64_t sort_key = 0;
   MeshIndex mesh = 0;
   Rgb colour;
-  Eigen::Vector3f position{0, 0, 0};  ///< World, m; y is up.
+  Eigen::Vector3f position{0, 0, 0};        ///< World, m; y is up.
   Eigen::Vector4f orientation{0, 0, 0, 1};  ///< Unit quaternion x, y, z, w.
 };
 
@@ -45,16 +45,16 @@ struct BoundaryLine {
 
 /// What is the same in every view of one moment.
 struct Scene {
-  std::vector<Instance> instances;        ///< Moving things; any order.
-  std::vector<BoundaryLine> boundaries;   ///< Drawn as translucent walls if the view asks for them.
+  std::vector<Instance> instances;       ///< Moving things; any order.
+  std::vector<BoundaryLine> boundaries;  ///< Drawn as translucent walls if the view asks for them.
 };
 
 /// One player's view.
 struct View {
   Camera camera;
-  int width = 1280, height = 720;         ///< 16 … 3840, 16 … 2160
+  int width = 1280, height = 720;  ///< 16 … 3840, 16 … 2160
   bool show_boundaries = false;
-  std::uint64_t hidden_key = 0;           ///< Instance left out (one's own avatar); 0 for none.
+  std::uint64_t hidden_key = 0;  ///< Instance left out (one's own avatar); 0 for none.
 };
 
 }  // namespace aureole::render
