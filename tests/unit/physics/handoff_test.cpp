@@ -84,21 +84,23 @@ void require_same(std::vector<ContactManifold> x, std::vector<ContactManifold> y
 
 }  // namespace
 
+// The group comes whole and in the order of its ids: its pairs then stand in the order that they
+// had, and measured not a bit differs. The limits leave room for another build of Bullet.
 TEST_CASE("a pyramid that changes its world with its contacts does not notice") {
   const double with = strays(pyramid(), 15, Carry::contacts);
   const double without = strays(pyramid(), 15, Carry::poses);
   INFO("with contacts " << with * 1e3 << " mm, without " << without * 1e3 << " mm");
   CHECK(with < 1e-5);
-  CHECK(without > with);
+  CHECK(without > 1e-3);
 }
 
 TEST_CASE("towers that change their world with their contacts stray by less than 5 mm") {
-  for (const auto& tower : {plain_tower(), crossed_tower()}) {
+  for (const auto& tower : {plain_tower(), careless_tower(), crossed_tower()}) {
     const double with = strays(tower, 15, Carry::contacts);
     const double without = strays(tower, 15, Carry::poses);
     INFO("with contacts " << with * 1e3 << " mm, without " << without * 1e3 << " mm");
     CHECK(with < 5e-3);
-    CHECK(without > with);
+    CHECK(without > 1e-3);
   }
 }
 

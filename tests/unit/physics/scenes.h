@@ -76,6 +76,19 @@ inline std::vector<NewBody> plain_tower() {
   return out;
 }
 
+/// The same, built by a hasty hand: every cube a little beside and across the one below.
+inline std::vector<NewBody> careless_tower() {
+  std::vector<NewBody> out = plain_tower();
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    BodyState& s = out[i].state;
+    const auto n = static_cast<float>(i);
+    s.position.x += 0.03 * static_cast<double>(std::sin(2.1f * n));
+    s.position.z += 0.03 * static_cast<double>(std::cos(1.7f * n));
+    s.orientation = Eigen::AngleAxisf(0.1f * std::sin(3.3f * n), Eigen::Vector3f::UnitY());
+  }
+  return out;
+}
+
 /// Two planks side by side in each of five layers, every layer across the one below.
 inline std::vector<NewBody> crossed_tower() {
   std::vector<NewBody> out;
