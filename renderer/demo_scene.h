@@ -18,7 +18,7 @@ struct DemoScene {
 
 /// Stacks of crates, a line of dominoes, a ball pit, ramps, avatars, hulls and compounds around the
 /// origin, then as many strewn bodies as are missing to `bodies` (at least those of the playground,
-/// about 330, when `bodies` is less). Equal arguments give equal scenes on every machine.
+/// 273, when `bodies` is less). Equal arguments give equal scenes on every machine.
 DemoScene make_demo_scene(int bodies);
 
 /// The camera of the `frame`-th frame of a walk around the demo scene.

@@ -30,6 +30,7 @@ struct FrameTimings {
   Phase prepare;  ///< Culling, levels of detail, shadows, upload.
   Phase submit;   ///< Draw calls; llvmpipe runs vertex shaders and bins triangles here.
   Phase finish;   ///< Rasterising and copying the frame out.
+  /// Static instances count as bodies here.
   int bodies_as_triangles = 0, bodies_as_points = 0, bodies_hidden = 0, shadows = 0;
   double wall_ms() const { return prepare.wall_ms + submit.wall_ms + finish.wall_ms; }
   double cpu_ms() const { return prepare.cpu_ms + submit.cpu_ms + finish.cpu_ms; }
