@@ -47,6 +47,13 @@ struct WorldBody {
   std::optional<RegionId> host;
 };
 
+/// The bodies that one named entry of a file made: `count` of them from index `first` on.
+struct BodyGroup {
+  std::string name;
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+};
+
 struct Box3 {
   Eigen::Vector3d min{0, 0, 0}, max{0, 0, 0};
 };
@@ -55,8 +62,8 @@ struct Box3 {
 /// and makes those bodies that start in its own region.
 struct Injector {
   std::string name;
-  double rate_per_s = 1;      ///< > 0
-  Box3 volume;                ///< Positions, uniform (m).
+  double rate_per_s = 1;                                         ///< > 0
+  Box3 volume;                                                   ///< Positions, uniform (m).
   Eigen::Vector3f velocity_min{0, 0, 0}, velocity_max{0, 0, 0};  ///< Uniform (m/s).
   struct Share {
     PrototypeId prototype;
@@ -89,14 +96,15 @@ struct WorldDefinition {
   Box3 bounds;                            ///< Strays outside are removed.
   std::uint32_t max_bodies = 20'000;
   std::uint32_t max_thrown_per_player = 40;
-  std::vector<Prototype> prototypes;      ///< Those of bodies, injectors, throwables and the avatar.
+  std::vector<Prototype> prototypes;  ///< Those of bodies, injectors, throwables and the avatar.
   std::vector<WorldStatic> statics;
-  std::vector<WorldBody> bodies;          ///< BodyId::world(index)
+  std::vector<WorldBody> bodies;       ///< BodyId::world(index)
+  std::vector<BodyGroup> body_groups;  ///< Entries that have a name, in the file's order.
   std::vector<Injector> injectors;
-  std::vector<SpawnPoint> spawn_points;   ///< At least one.
+  std::vector<SpawnPoint> spawn_points;  ///< At least one.
   std::array<Throwable, 4> throwables;
-  PrototypeId avatar;                     ///< Upright capsule.
-  std::uint64_t hash = 0;                 ///< Over everything above; servers of one world agree on it.
+  PrototypeId avatar;      ///< Upright capsule.
+  std::uint64_t hash = 0;  ///< Over everything above; servers of one world agree on it.
 };
 
 /// The region whose area holds the point. Areas tile the plane, so there is always exactly one.

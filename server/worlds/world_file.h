@@ -1,4 +1,5 @@
-// Reads a world from a JSON file; every mistake gets a sentence with file, JSON path, finding and expectation.
+// Reads a world from a JSON file; every mistake gets a sentence with file, JSON path, finding and
+// expectation.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +12,8 @@
 namespace aureole {
 
 struct WorldFileOptions {
-  /// Splits the world's bounds anew into this many regions: 1, 2, 4, 9 as a grid (2 as two columns),
-  /// other numbers as columns; without it the file's own rectangles count. 1 … 64.
+  /// Splits the world's bounds anew into this many regions: 1, 2, 4, 9 as a grid (2 as two
+  /// columns), other numbers as columns; without it the file's own rectangles count. 1 … 64.
   std::optional<int> regions;
 };
 
