@@ -32,7 +32,7 @@ Status check_port_is_free(const std::string& address, std::uint16_t port) {
     // As servers do it: a port whose last connections are still timing out counts as free.
     const int yes = 1;
     setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-    if (bind(fd, found->ai_addr, found->ai_addrlen) != 0 || ::listen(fd, 1) != 0) error = errno;
+    if (bind(fd, found->ai_addr, found->ai_addrlen) != 0) error = errno;
     close(fd);
   }
   freeaddrinfo(found);
