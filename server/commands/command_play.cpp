@@ -71,8 +71,7 @@ int play(const PlayOptions& options) {
   if (!world) return complain(world.error().message, exit_usage);
 
   const auto own_binary = executable_path();
-  plan.web_root =
-      options.web_root.empty() ? web_root_beside(own_binary).string() : options.web_root;
+  plan.web_root = options.web_root.empty() ? web_root_beside(own_binary) : options.web_root;
   const auto port = page_port(options);
   if (!port) return complain(port.error().message, exit_usage);
   plan.port = *port;

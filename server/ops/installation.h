@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 namespace aureole {
 
@@ -10,6 +11,6 @@ std::filesystem::path executable_path();
 
 /// The folder of the built player page: `web` of the build folder that holds `executable`, or
 /// share/aureole/web of the prefix that it is installed under; the first one if neither has a page.
-std::filesystem::path web_root_beside(const std::filesystem::path& executable);
+std::string web_root_beside(const std::filesystem::path& executable);
 
 }  // namespace aureole
