@@ -15,13 +15,9 @@ int main(int argc, char** argv) {
 
   int exit_code = aureole::exit_ok;
   aureole::add_play(app, exit_code);
-  aureole::add_status(app, exit_code);
-#ifdef AUREOLE_HAS_REGION
   aureole::add_region(app, exit_code);
-#endif
-#ifdef AUREOLE_HAS_GATEWAY
   aureole::add_gateway(app, exit_code);
-#endif
+  aureole::add_status(app, exit_code);
 #ifdef AUREOLE_HAS_BENCH
   aureole::add_bench(app, exit_code);
 #endif
