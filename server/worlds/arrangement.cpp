@@ -35,13 +35,14 @@ bool fits(const JsonNode& node, double count) {
   return false;
 }
 
+/// A gap is sideways only: layers stand on each other.
 Vector3d steps_of(const JsonNode& node, const Vector3d& size) {
-  const Vector3d gap = Vector3d::Constant(optional_number(node, "gap", 0, {0, 100, "m"}));
+  const double gap = optional_number(node, "gap", 0, {0, 100, "m"});
   const auto step = node.find("step");
   if (step && node.has("gap")) step->refuse("found both a step and a gap, expected one of them");
   NumberRange range = step_m;
   range.above_min = true;
-  return step ? read_vector(*step, range) : Vector3d(size + gap);
+  return step ? read_vector(*step, range) : Vector3d(size + Vector3d(gap, 0, gap));
 }
 
 std::vector<Place> grid(const JsonNode& node, const Vector3d& size) {
@@ -142,10 +143,12 @@ std::vector<Place> wall(const JsonNode& node, const Vector3d& size) {
   if (!node.ok() || !fits(node, static_cast<double>(length) * static_cast<double>(rows))) return {};
   std::vector<Place> out;
   for (std::int64_t y = 0; y < rows; ++y) {
-    // Every second row lies over the joints of the one below, and so has one brick fewer.
-    const std::int64_t n = y % 2 == 1 && length > 1 ? length - 1 : length;
-    for (std::int64_t i = 0; i < n; ++i) {
-      const double x = (static_cast<double>(i) - static_cast<double>(n - 1) / 2) * (size.x() + gap);
+    // Every second row is a quarter brick further: joints are bridged, and each end brick still has
+    // its centre over the one below (half a brick further it would balance on an edge).
+    const double shift = y % 2 == 1 ? 0.125 : -0.125;
+    for (std::int64_t i = 0; i < length; ++i) {
+      const double x =
+          (static_cast<double>(i) - static_cast<double>(length - 1) / 2 + shift) * (size.x() + gap);
       out.push_back({{x, static_cast<double>(y) * size.y(), 0}, 0, static_cast<std::size_t>(y)});
     }
   }

@@ -3,6 +3,7 @@
 #include "server/worlds/json_reader.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -31,8 +32,12 @@ std::string described(const NumberRange& r) {
                      : fmt::format("a number from {:g} to {:g}{}", r.min, r.max, unit);
 }
 
+/// Longer words are no typing mistakes worth a guess.
+constexpr std::size_t word_bytes_max = 64;
+
+/// Of texts of up to word_bytes_max bytes.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
+  std::array<std::size_t, word_bytes_max + 1> row{};
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 1; i <= a.size(); ++i) {
     std::size_t diagonal = row[0];
@@ -43,18 +48,18 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
       diagonal = above;
     }
   }
-  return row.back();
+  return row[b.size()];
 }
 
 }  // namespace
 
 std::optional<std::string> likely_meant(std::string_view word,
                                         const std::vector<std::string>& candidates) {
-  if (word.size() > 64) return {};
+  if (word.size() > word_bytes_max) return {};
   std::optional<std::string> best;
   std::size_t best_distance = std::max<std::size_t>(1, word.size() / 3) + 1;
   for (const std::string& candidate : candidates) {
-    if (candidate.size() > 64) continue;
+    if (candidate.size() > word_bytes_max) continue;
     // "mass" for "mass_kg": the unit was forgotten.
     const bool unit_forgotten = candidate.starts_with(std::string(word) + "_");
     const std::size_t distance = unit_forgotten ? 0 : edit_distance(word, candidate);

@@ -39,15 +39,15 @@ std::optional<std::array<std::size_t, 4>> first_tetrahedron(const std::vector<Ve
     return std::pair(best, distance(p[best]));
   };
   const auto [b, length] = farthest([&](const Vector3d& q) { return (q - p[0]).norm(); });
-  if (length < flat) return {};
+  if (length <= flat) return {};
   const Vector3d along = (p[b] - p[0]).normalized();
   const auto [c, width] =
       farthest([&](const Vector3d& q) { return (q - p[0]).cross(along).norm(); });
-  if (width < flat) return {};
+  if (width <= flat) return {};
   const Vector3d normal = along.cross(p[c] - p[0]).normalized();
   const auto [d, depth] =
       farthest([&](const Vector3d& q) { return std::abs((q - p[0]).dot(normal)); });
-  if (depth < flat) return {};
+  if (depth <= flat) return {};
   return std::array<std::size_t, 4>{0, b, c, d};
 }
 
