@@ -11,7 +11,7 @@ add_library(aureole_options INTERFACE)
 target_compile_features(aureole_options INTERFACE cxx_std_20)
 target_include_directories(aureole_options INTERFACE ${CMAKE_SOURCE_DIR} ${CMAKE_BINARY_DIR}/generated)
 target_compile_options(aureole_options INTERFACE
-  -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Woverloaded-virtual -Wnull-dereference
+  -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Woverloaded-virtual
   # One rounding per operation: the same build repeats a run bit for bit.
   -ffp-contract=off)
 if(AUREOLE_SANITIZE)

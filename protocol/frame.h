@@ -31,8 +31,9 @@ enum class FrameType : std::uint16_t {
   effects = 8,
   replica_update = 9,
   region_status = 10,
+  auras = 11,
 };
-inline constexpr std::uint16_t last_frame_type = 10;
+inline constexpr std::uint16_t last_frame_type = 11;
 
 /// 16 bytes before each payload. Payloads are multiples of 8 bytes long, so that in a buffer that
 /// starts aligned every FlatBuffer stays aligned.

@@ -30,6 +30,9 @@ inline bool vectors_are_aligned(const wire::Handoff& t) {
 inline bool vectors_are_aligned(const wire::Effects& t) {
   return is_aligned(t.blasts()) && is_aligned(t.removals()) && is_aligned(t.requests());
 }
+inline bool vectors_are_aligned(const wire::Auras& t) {
+  return is_aligned(t.auras()) && is_aligned(t.removed()) && is_aligned(t.pulls());
+}
 inline bool vectors_are_aligned(const wire::ReplicaUpdate& t) {
   return is_aligned(t.keys()) && is_aligned(t.removed()) && is_aligned(t.players());
 }

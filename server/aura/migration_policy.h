@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "server/aura/aura_radius.h"
+#include "server/aura/overlap_grid.h"
 #include "server/aura/partition_map.h"
 #include "server/base/ids.h"
 #include "server/base/tick.h"
@@ -16,11 +18,37 @@ namespace aureole {
 struct HostedBody {
   BodyId id;
   WorldPosition position;
+  Eigen::Vector3d half_extents{0, 0, 0};  ///< Of the box around the body as it stands (m).
+  double surface_speed_mps = 0;           ///< Fastest that any point of it moves.
   bool asleep = false;
   /// The body that this one must be hosted with (a carried thing with the avatar); none: decides itself.
   BodyId leader;
   /// When it last changed its owner.
   Tick changed_owner;
+};
+
+/// An aura that another server projects to us.
+struct RemoteAura {
+  BodyId id;
+  RegionId host;
+  AuraBox box;
+  bool asleep = false;
+};
+
+/// A server that decides for a pair asks the other one to hand a body over, with its cluster.
+struct HandoverRequest {
+  BodyId body;
+  RegionId to;
+};
+
+/// Everything that a decision may depend on; spans ascending by id.
+struct MigrationSituation {
+  Tick now;
+  RegionId self;
+  const PartitionMap& map;
+  std::span<const HostedBody> hosted;
+  std::span<const RemoteAura> remote;
+  std::span<const HandoverRequest> requested;
 };
 
 /// A group that goes to one server together.
@@ -29,24 +57,47 @@ struct Migration {
   std::vector<BodyId> bodies;  ///< ascending
 };
 
+/// Bodies that we ask another server to hand over to us.
+struct Pull {
+  RegionId from;
+  std::vector<BodyId> bodies;  ///< ascending
+};
+
+/// An aura that reaches beyond our region, and whom it concerns.
+struct ProjectedAura {
+  BodyId id;
+  AuraBox box;
+  bool asleep = false;
+  std::vector<RegionId> to;  ///< ascending
+};
+
+struct MigrationDecision {
+  std::vector<Migration> leaving;        ///< Disjoint groups, ascending by destination.
+  std::vector<Pull> pulls;               ///< Ascending by region.
+  std::vector<ProjectedAura> projected;  ///< Ascending by id.
+};
+
 class MigrationPolicy {
  public:
   virtual ~MigrationPolicy() = default;
-  /// Decides after step `now` which of `hosted` (ascending by id) leave `self`. Groups are disjoint
-  /// and come in ascending order of their destination.
-  virtual std::vector<Migration> decide(Tick now, RegionId self, const PartitionMap& map,
-                                        std::span<const HostedBody> hosted) = 0;
+  /// Called once after every step.
+  virtual MigrationDecision decide(const MigrationSituation& situation) = 0;
 };
 
 /// Section 3.1 of the paper: a body is handed over when its centre has crossed the boundary. Bodies
 /// that cross in the same step to the same region travel as one group, so that a sleeping stack goes
 /// whole. Against thrash a centre must be `naive_hysteresis_m` across, and a body stays at least
-/// `naive_stay_ticks` with each owner.
+/// `stay_ticks` with each owner. Nothing is projected: bodies of two servers never meet.
 std::unique_ptr<MigrationPolicy> make_naive_policy();
+
+/// Bodies whose auras overlap are brought onto one server before they can touch; see aura_policy.cpp.
+std::unique_ptr<MigrationPolicy> make_aura_policy(const AuraTolerances& tolerances);
 
 /// Far enough that a body resting on the line does not flicker; near enough not to be seen (m).
 inline constexpr double naive_hysteresis_m = 0.05;
+/// How far a cluster's nearest member must be outside its host's region before it goes home (m).
+inline constexpr double home_hysteresis_m = 0.5;
 /// Half a second: at most two changes of owner in any second.
-inline constexpr std::int64_t naive_stay_ticks = 32;
+inline constexpr std::int64_t stay_ticks = 32;
 
 }  // namespace aureole

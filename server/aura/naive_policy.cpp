@@ -10,31 +10,30 @@ namespace {
 
 class NaivePolicy final : public MigrationPolicy {
  public:
-  std::vector<Migration> decide(Tick now, RegionId self, const PartitionMap& map,
-                                std::span<const HostedBody> hosted) override {
-    const Rectangle& home = map.area(self);
+  MigrationDecision decide(const MigrationSituation& s) override {
+    const Rectangle& home = s.map.area(s.self);
     std::map<RegionId, std::vector<BodyId>> leaving;
     std::unordered_map<BodyId, RegionId> leaders;
-    for (const HostedBody& body : hosted) {
+    for (const HostedBody& body : s.hosted) {
       if (body.leader != BodyId{}) continue;
       if (home.distance(body.position.x, body.position.z) <= naive_hysteresis_m) continue;
-      if (now - body.changed_owner < naive_stay_ticks) continue;
-      const RegionId to = map.region_at(body.position.x, body.position.z);
-      if (to == self) continue;
+      if (s.now - body.changed_owner < stay_ticks) continue;
+      const RegionId to = s.map.region_at(body.position.x, body.position.z);
+      if (to == s.self) continue;
       leaving[to].push_back(body.id);
       leaders.emplace(body.id, to);
     }
-    for (const HostedBody& body : hosted) {
+    for (const HostedBody& body : s.hosted) {
       if (body.leader == BodyId{}) continue;
       if (auto it = leaders.find(body.leader); it != leaders.end())
         leaving[it->second].push_back(body.id);
     }
-    std::vector<Migration> groups;
+    MigrationDecision decision;
     for (auto& [to, bodies] : leaving) {
       std::sort(bodies.begin(), bodies.end());
-      groups.push_back({to, std::move(bodies)});
+      decision.leaving.push_back({to, std::move(bodies)});
     }
-    return groups;
+    return decision;
   }
 };
 

@@ -182,6 +182,12 @@ WorldPosition PhysicsWorld::position(BodyId id) const {
   return impl_->world.global(impl_->body(id).rigid.getWorldTransform().getOrigin());
 }
 
+Eigen::Vector3f PhysicsWorld::half_extents(BodyId id) const {
+  btVector3 low, high;
+  impl_->body(id).rigid.getAabb(low, high);
+  return from_bullet((high - low) / 2);
+}
+
 bool PhysicsWorld::is_asleep(BodyId id) const {
   return !impl_->body(id).rigid.isActive();
 }

@@ -83,6 +83,8 @@ class PhysicsWorld {
   BodyState state(BodyId id) const;
   WorldPosition position(BodyId id) const;
   bool is_asleep(BodyId id) const;
+  /// Half edges of the axis-aligned box around the body as it stands (m).
+  Eigen::Vector3f half_extents(BodyId id) const;
 
   /// Overwrites pose, velocities and activation; wakes what touched the body if the pose changes.
   void set_state(BodyId id, const BodyState& state);

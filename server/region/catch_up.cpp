@@ -44,8 +44,7 @@ void catch_up(HandoffGroup& group, const CatchUpSurroundings& around) {
 
   const float seconds = static_cast<float>(steps) * tick_s;
   const auto obstacles = obstacles_for(group, around, seconds);
-  PhysicsWorld scratch(around.settings, around.prototypes, around.statics,
-                       group.bodies.size() + obstacles.size());
+  PhysicsWorld scratch = around.host.scratch(group.bodies.size() + obstacles.size());
   std::vector<NewBody> bodies;
   std::vector<BodyId> ids;
   for (const auto& b : group.bodies) {

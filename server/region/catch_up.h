@@ -13,9 +13,7 @@ namespace aureole {
 
 /// What a group may meet on its way.
 struct CatchUpSurroundings {
-  const PhysicsSettings& settings;
   std::span<const BodyDefinition> prototypes;
-  std::span<const StaticDefinition> statics;
   const PhysicsWorld& host;             ///< Its state is of tick `host_tick`.
   Tick host_tick;
   std::span<const BlastEffect> blasts;  ///< Recent ones, by tick.

@@ -19,12 +19,14 @@ constexpr std::size_t queue_max = 65'536;
 
 }  // namespace
 
-RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation incarnation)
+RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation incarnation,
+                       MigrationMode mode)
     : world_(world),
       self_(self),
       incarnation_(incarnation),
       map_(partition_of(world)),
-      policy_(make_naive_policy()),
+      policy_(mode == MigrationMode::naive ? make_naive_policy()
+                                           : make_aura_policy(world.tolerances)),
       hosting_(world, self, incarnation),
       players_(world, map_, self, hosting_),
       injected_(world.injectors.size(), 0) {
@@ -36,24 +38,30 @@ RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation 
 void RegionCore::peer_up(PeerId id, Incarnation incarnation) {
   Peer& peer = peers_[id];
   peer.up = true;
-  if (id.is_region())
+  if (id.is_region()) {
     peer.journal.link_up(incarnation);
-  else
+    aura_exchange_.link_up(id.as_region());
+  } else {
     peer.wants_whole_state = true;
+  }
 }
 
 void RegionCore::peer_down(PeerId id) {
   const auto it = peers_.find(id);
   if (it == peers_.end()) return;
   it->second.up = false;
-  if (id.is_region()) return;
+  if (id.is_region()) {
+    aura_exchange_.link_down(id.as_region());
+    return;
+  }
   players_.gateway_down(static_cast<std::uint16_t>(id.value - PeerId::first_gateway), last_tick_);
   peers_.erase(it);
 }
 
 Status RegionCore::receive(PeerId from, const Frame& frame) {
   const auto it = peers_.find(from);
-  AUREOLE_CHECK(it != peers_.end() && it->second.up, "only linked peers send");
+  if (it == peers_.end() || !it->second.up)
+    return Error::format("a message of server {}, which is not part of this world", from.value);
   Peer& peer = it->second;
 
   if (frame.type == FrameType::commands) {
@@ -101,6 +109,8 @@ Status RegionCore::receive(PeerId from, const Frame& frame) {
         arrived_effects_.emplace_back(from.as_region(), std::move(*effects));
       return Ok{};
     }
+    case FrameType::auras:
+      return aura_exchange_.receive(from.as_region(), frame.payload);
     case FrameType::region_status: {
       const auto* message = verified<wire::RegionStatus>(frame.payload);
       if (message == nullptr) return Error{"a region status is not a valid message"};

@@ -17,6 +17,7 @@
 #include "server/base/ids.h"
 #include "server/base/result.h"
 #include "server/base/tick.h"
+#include "server/region/aura_exchange.h"
 #include "server/region/effects.h"
 #include "server/region/handoff.h"
 #include "server/region/hosting.h"
@@ -25,6 +26,12 @@
 #include "server/worlds/world.h"
 
 namespace aureole {
+
+/// How it is decided which body is hosted where.
+enum class MigrationMode : std::uint8_t {
+  naive,  ///< On crossing the boundary; bodies of two servers never meet.
+  aura,   ///< What may soon touch is brought together first.
+};
 
 struct Outgoing {
   PeerId to;
@@ -53,7 +60,8 @@ struct RegionStatistics {
 class RegionCore {
  public:
   /// `world` must outlive the core. `self` is one of its regions.
-  RegionCore(const WorldDefinition& world, RegionId self, Incarnation incarnation);
+  RegionCore(const WorldDefinition& world, RegionId self, Incarnation incarnation,
+             MigrationMode mode = MigrationMode::aura);
 
   void peer_up(PeerId peer, Incarnation incarnation);
   void peer_down(PeerId peer);
@@ -116,6 +124,8 @@ class RegionCore {
   Players players_;
   std::map<PeerId, Peer> peers_;
 
+  AuraExchange aura_exchange_;
+  std::vector<HandoverRequest> handover_requests_;
   std::deque<Arrived> arrived_groups_;
   std::deque<std::pair<RegionId, EffectsMessage>> arrived_effects_;
   std::vector<PlayerCommand> arrived_commands_;

@@ -39,6 +39,7 @@ void RegionCore::take_in(Tick now) {
   take_in_groups(now);
   take_in_effects(now);
   take_in_commands(now);
+  handover_requests_ = aura_exchange_.take_in();
 }
 
 void RegionCore::take_in_groups(Tick now) {
@@ -59,8 +60,8 @@ void RegionCore::take_in_groups(Tick now) {
     group.tick = present - steps;
     extra_.catch_up_steps += static_cast<std::uint64_t>(steps);
     const std::vector<BlastEffect> recent(blasts_.begin(), blasts_.end());
-    catch_up(group, {world_.physics, hosting_.definitions(), hosting_.statics(), hosting_.physics(),
-                     present, recent, AvatarTuning{}});
+    catch_up(group,
+             {hosting_.definitions(), hosting_.physics(), present, recent, AvatarTuning{}});
     const std::vector<BodyId> taken = hosting_.accept(group, now);
     players_.accept(std::move(group.avatars), taken, now, has_room(1), player_output_);
     for (BodyId id : taken)
@@ -181,11 +182,20 @@ void RegionCore::migrate(Tick now) {
   const PhysicsWorld& physics = hosting_.physics();
   for (BodyId id : physics.ids()) {
     const auto leader = leaders.find(id);
-    hosted.push_back({id, physics.position(id), physics.is_asleep(id),
+    const BodyState state = physics.state(id);
+    const Shape& shape = hosting_.definitions()[physics.prototype(id).value].shape;
+    hosted.push_back({id, state.position, physics.half_extents(id).cast<double>(),
+                      state.linear_velocity.norm() +
+                          state.angular_velocity.norm() * bounding_radius(shape),
+                      state.activation == Activation::asleep,
                       leader == leaders.end() ? BodyId{} : leader->second,
                       hosting_.changed_owner(id)});
   }
-  for (const Migration& migration : policy_->decide(now, self_, map_, hosted)) {
+  const MigrationDecision decision =
+      policy_->decide({now, self_, map_, hosted, aura_exchange_.remote(), handover_requests_});
+  handover_requests_.clear();
+  aura_exchange_.announce(now, decision);
+  for (const Migration& migration : decision.leaving) {
     // While a region is down, its boundary lets nobody through.
     if (!is_up(migration.to)) continue;
     std::span<const BodyId> rest(migration.bodies);
@@ -259,6 +269,8 @@ void RegionCore::publish(Tick now, const ShellMeasurements& measured) {
         outbox_.push_back({id, std::make_shared<const Bytes>(frame)});
       }
       for (SharedBytes& frame : peer.journal.take_unsent()) outbox_.push_back({id, std::move(frame)});
+      if (SharedBytes auras = aura_exchange_.take_frame(id.as_region()))
+        outbox_.push_back({id, std::move(auras)});
     } else if (peer.wants_whole_state) {
       peer.wants_whole_state = false;
       for (SharedBytes& frame :

@@ -52,15 +52,16 @@ BodyId put(WorldDefinition& world, PrototypeId prototype, WorldPosition at,
   return BodyId::world(static_cast<std::uint32_t>(world.bodies.size() - 1));
 }
 
-RegionCluster::RegionCluster(const WorldDefinition& world, int delay_ticks)
+RegionCluster::RegionCluster(const WorldDefinition& world, int delay_ticks, MigrationMode mode)
     : world_(world),
       delay_ticks_(delay_ticks),
+      mode_(mode),
       store_(std::make_unique<ReplicaStore>(world.prototypes.size())) {
   const int count = static_cast<int>(world.regions.size());
   for (int i = 0; i < count; ++i) {
     incarnations_.push_back(Incarnation{1});
     cores_.push_back(std::make_unique<RegionCore>(world, RegionId{static_cast<std::uint16_t>(i)},
-                                                  incarnations_.back()));
+                                                  incarnations_.back(), mode));
   }
   for (int i = 0; i < count; ++i) {
     for (int j = 0; j < count; ++j)
@@ -114,6 +115,7 @@ void RegionCluster::cut_link(int a, int b) {
   for (const auto& ends : {std::pair(a, b), std::pair(b, a)}) {
     links_[ends].clear();
     cut_[ends] = true;
+    core(ends.first).peer_down(PeerId{static_cast<std::uint16_t>(ends.second)});
   }
 }
 
@@ -131,7 +133,7 @@ void RegionCluster::restart(int i) {
   const auto at = static_cast<std::size_t>(i);
   incarnations_[at] = Incarnation{incarnations_[at].value + 1};
   cores_[at] = std::make_unique<RegionCore>(world_, RegionId{static_cast<std::uint16_t>(i)},
-                                            incarnations_[at]);
+                                            incarnations_[at], mode_);
   for (int j = 0; j < static_cast<int>(cores_.size()); ++j)
     if (j != i) reset_link(i, j);
 }

@@ -27,7 +27,8 @@ inline constexpr PrototypeId ball{0}, box{1}, plank{2}, avatar_prototype{3};
 class RegionCluster {
  public:
   /// Messages take `delay_ticks` whole ticks (0: they are there before the next step).
-  explicit RegionCluster(const WorldDefinition& world, int delay_ticks = 0);
+  explicit RegionCluster(const WorldDefinition& world, int delay_ticks = 0,
+                         MigrationMode mode = MigrationMode::aura);
 
   void step(int ticks = 1);
   Tick now() const { return now_; }
@@ -36,7 +37,7 @@ class RegionCluster {
 
   /// Loses everything in flight between two regions and links them again.
   void reset_link(int a, int b);
-  /// Loses everything in flight; nothing passes until reset_link.
+  /// Loses everything in flight and takes the link down until reset_link.
   void cut_link(int a, int b);
   /// Kills a region and starts it with a new incarnation and an empty core.
   void restart(int i);
@@ -62,6 +63,7 @@ class RegionCluster {
 
   const WorldDefinition& world_;
   int delay_ticks_;
+  MigrationMode mode_;
   Tick now_;
   std::vector<std::unique_ptr<RegionCore>> cores_;
   std::vector<Incarnation> incarnations_;

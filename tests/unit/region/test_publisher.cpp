@@ -73,6 +73,7 @@ TEST_CASE("a gateway that joins while a body is in flight hears of it") {
   auto world = flat_world(2);
   const BodyId id = put(world, ball, {49.9, 0.3, 0}, {6, 0, 0});
   RegionCluster cluster(world, 4);
+  cluster.step();
   while (cluster.owner(id) == 0) cluster.step();
   cluster.core(0).peer_up(PeerId::gateway(1), Incarnation{1});
   cluster.step();

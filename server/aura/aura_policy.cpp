@@ -1,0 +1,243 @@
+// Aura projection: what may soon touch is brought together, what has left for good goes home.
+//
+// Every body has an aura: its box grown by what it can move in the time that a decision and a handoff
+// take. Auras that reach beyond their region are projected to all servers that may host something
+// there. Where a body of ours overlaps a projected aura, the two must be hosted together:
+//
+//   - One arbiter decides for each pair of servers, the one with the lower number, so that two
+//     servers can never disagree and swap their bodies for ever (paper notes, 1). It either sends its
+//     own cluster or asks the other server for its one.
+//   - With a body goes its cluster: everything here whose auras overlap, recursively, so that a move
+//     does not tear apart what touches (section 3.4, thrashing).
+//   - A cluster of which no member reaches into the host's region, and which no projected aura
+//     touches, is an island: it goes to the region that holds most of it (section 3.5).
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+#include <unordered_map>
+
+#include "server/aura/migration_policy.h"
+
+namespace aureole {
+namespace {
+
+/// Resting bodies reach this much further than their shape (m): two that touch, or nearly, belong
+/// together even before they stir.
+constexpr double resting_margin_m = 0.08;
+
+class AuraPolicy final : public MigrationPolicy {
+ public:
+  explicit AuraPolicy(const AuraTolerances& tolerances)
+      // A request to the other server takes one more flight than the paper's T_T covers.
+      : reach_s_(total_displacement_s(tolerances) + steps_in_flight(tolerances) * (tick_us / 1e6)) {}
+
+  MigrationDecision decide(const MigrationSituation& s) override {
+    prepare(s);
+    MigrationDecision decision;
+    std::map<RegionId, std::vector<BodyId>> leaving;
+    std::map<RegionId, std::set<BodyId>> pulls;
+    answer_requests(s, leaving);
+    settle_overlaps(s, leaving, pulls);
+    send_islands_home(s, leaving);
+    for (auto& [to, bodies] : leaving) {
+      std::sort(bodies.begin(), bodies.end());
+      decision.leaving.push_back({to, std::move(bodies)});
+    }
+    for (auto& [from, bodies] : pulls)
+      decision.pulls.push_back({from, {bodies.begin(), bodies.end()}});
+    project(s, decision);
+    return decision;
+  }
+
+ private:
+  AuraBox aura_of(const HostedBody& body) const {
+    AuraBox box{body.position.vector(), body.half_extents};
+    double reach = resting_margin_m;
+    if (!body.asleep) {
+      const double fall = 0.5 * 9.81 * reach_s_ * reach_s_;
+      reach += body.surface_speed_mps * reach_s_ + fall;
+    }
+    box.half.array() += reach;
+    return box;
+  }
+
+  void prepare(const MigrationSituation& s) {
+    boxes_.clear();
+    for (const HostedBody& body : s.hosted) boxes_.push_back(aura_of(body));
+    grid_.build(boxes_);
+    cluster_.assign(s.hosted.size(), none);
+    clusters_.clear();
+    contested_.assign(s.hosted.size(), false);
+    indices_.clear();
+    for (std::uint32_t i = 0; i < s.hosted.size(); ++i) indices_.emplace(s.hosted[i].id, i);
+    followers_.clear();
+    for (std::uint32_t i = 0; i < s.hosted.size(); ++i)
+      if (const auto it = indices_.find(s.hosted[i].leader); it != indices_.end())
+        followers_[it->second].push_back(i);
+  }
+
+  /// Index of the cluster that the body belongs to; found when first asked for.
+  std::size_t cluster_of(const MigrationSituation& s, std::uint32_t body) {
+    if (cluster_[body] != none) return cluster_[body];
+    const std::size_t number = clusters_.size();
+    auto& members = clusters_.emplace_back().members;
+    members.push_back(body);
+    cluster_[body] = number;
+    std::vector<std::uint32_t> found;
+    for (std::size_t k = 0; k < members.size(); ++k) {
+      found.clear();
+      grid_.find(boxes_[members[k]], found);
+      if (const auto it = followers_.find(members[k]); it != followers_.end())
+        found.insert(found.end(), it->second.begin(), it->second.end());
+      if (const auto it = indices_.find(s.hosted[members[k]].leader); it != indices_.end())
+        found.push_back(it->second);
+      for (std::uint32_t other : found) {
+        if (cluster_[other] != none) continue;
+        // Two sleepers that only nearly touch, in the middle of nowhere, need no company: but a
+        // sleeper goes with whatever may move it.
+        cluster_[other] = number;
+        members.push_back(other);
+      }
+    }
+    return number;
+  }
+
+  void send(const MigrationSituation& s, std::size_t cluster, RegionId to,
+            std::map<RegionId, std::vector<BodyId>>& leaving) {
+    if (clusters_[cluster].sent || to == s.self) return;
+    clusters_[cluster].sent = true;
+    for (std::uint32_t member : clusters_[cluster].members)
+      leaving[to].push_back(s.hosted[member].id);
+  }
+
+  void answer_requests(const MigrationSituation& s,
+                       std::map<RegionId, std::vector<BodyId>>& leaving) {
+    for (const HandoverRequest& request : s.requested)
+      if (const auto it = indices_.find(request.body); it != indices_.end())
+        send(s, cluster_of(s, it->second), request.to, leaving);
+  }
+
+  void settle_overlaps(const MigrationSituation& s,
+                       std::map<RegionId, std::vector<BodyId>>& leaving,
+                       std::map<RegionId, std::set<BodyId>>& pulls) {
+    struct Overlap {
+      std::uint32_t ours;
+      const RemoteAura* theirs;
+    };
+    std::vector<Overlap> overlaps;
+    std::vector<std::uint32_t> found;
+    visitors_.assign(s.hosted.size(), {});
+    for (const RemoteAura& aura : s.remote) {
+      if (indices_.contains(aura.id)) continue;  // Word of a body that has come to us since.
+      found.clear();
+      grid_.find(aura.box, found);
+      for (std::uint32_t body : found) {
+        overlaps.push_back({body, &aura});
+        contested_[body] = true;
+        visitors_[body].push_back(aura.host);
+      }
+    }
+    for (const Overlap& overlap : overlaps) {
+      const RegionId other = overlap.theirs->host;
+      if (other < s.self) continue;  // Theirs to decide.
+      const std::size_t cluster = cluster_of(s, overlap.ours);
+      if (clusters_[cluster].sent) continue;
+      if (destination(s, s.hosted[overlap.ours], *overlap.theirs) == s.self)
+        pulls[other].insert(overlap.theirs->id);
+      else
+        send(s, cluster, other, leaving);
+    }
+  }
+
+  /// Which of the two servers hosts both from now on. What moves goes to what rests; otherwise the
+  /// place of the meeting decides. Only the arbiter asks, so any rule is consistent.
+  RegionId destination(const MigrationSituation& s, const HostedBody& ours,
+                       const RemoteAura& theirs) const {
+    if (ours.asleep != theirs.asleep) return ours.asleep ? s.self : theirs.host;
+    const Eigen::Vector3d middle = (ours.position.vector() + theirs.box.centre) / 2;
+    const RegionId place = s.map.region_at(middle.x(), middle.z());
+    return place == theirs.host ? theirs.host : s.self;
+  }
+
+  void send_islands_home(const MigrationSituation& s,
+                         std::map<RegionId, std::vector<BodyId>>& leaving) {
+    const Rectangle& home = s.map.area(s.self);
+    const auto is_away = [&](std::uint32_t i) {
+      const WorldPosition& at = s.hosted[i].position;
+      return home.distance(at.x, at.z) > (s.hosted[i].asleep ? 0.0 : home_hysteresis_m);
+    };
+    for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
+      if (!is_away(i)) continue;
+      const std::size_t number = cluster_of(s, i);
+      Cluster& cluster = clusters_[number];
+      if (cluster.judged || cluster.sent) continue;
+      cluster.judged = true;
+      std::map<RegionId, std::size_t> holds;
+      bool leaves = true;
+      for (std::uint32_t member : cluster.members) {
+        const HostedBody& body = s.hosted[member];
+        leaves = leaves && is_away(member) && !contested_[member] &&
+                 s.now - body.changed_owner >= stay_ticks;
+        ++holds[s.map.region_at(body.position.x, body.position.z)];
+      }
+      if (!leaves) continue;
+      // Most bodies; the lower number on a tie (paper notes, 11).
+      const auto most = std::max_element(holds.begin(), holds.end(), [](auto& a, auto& b) {
+        return a.second < b.second;
+      });
+      send(s, number, most->first, leaving);
+    }
+  }
+
+  /// Tells every server that may host something where the aura reaches: the regions it overlaps,
+  /// their neighbours (the corner case, section 3.6), and the hosts of auras that overlap it.
+  void project(const MigrationSituation& s, MigrationDecision& decision) const {
+    const Rectangle& home = s.map.area(s.self);
+    for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
+      if (cluster_[i] != none && clusters_[cluster_[i]].sent) continue;
+      const AuraBox& box = boxes_[i];
+      const bool inside = box.centre.x() - box.half.x() >= home.min_x &&
+                          box.centre.x() + box.half.x() < home.max_x &&
+                          box.centre.z() - box.half.z() >= home.min_z &&
+                          box.centre.z() + box.half.z() < home.max_z;
+      std::set<RegionId> to(visitors_[i].begin(), visitors_[i].end());
+      if (!inside) {
+        const double reach = std::max(box.half.x(), box.half.z());
+        for (RegionId region : s.map.regions_within(box.centre.x(), box.centre.z(), 1.5 * reach)) {
+          to.insert(region);
+          const auto& around = s.map.neighbours(region);
+          to.insert(around.begin(), around.end());
+        }
+      }
+      to.erase(s.self);
+      if (!to.empty())
+        decision.projected.push_back(
+            {s.hosted[i].id, box, s.hosted[i].asleep, {to.begin(), to.end()}});
+    }
+  }
+
+  static constexpr std::size_t none = static_cast<std::size_t>(-1);
+  struct Cluster {
+    std::vector<std::uint32_t> members;
+    bool sent = false;
+    bool judged = false;
+  };
+  double reach_s_;
+  std::vector<AuraBox> boxes_;
+  OverlapGrid grid_;
+  std::vector<std::size_t> cluster_;
+  std::vector<Cluster> clusters_;
+  std::vector<bool> contested_;
+  std::vector<std::vector<RegionId>> visitors_;
+  std::unordered_map<BodyId, std::uint32_t> indices_;
+  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> followers_;
+};
+
+}  // namespace
+
+std::unique_ptr<MigrationPolicy> make_aura_policy(const AuraTolerances& tolerances) {
+  return std::make_unique<AuraPolicy>(tolerances);
+}
+
+}  // namespace aureole
