@@ -128,7 +128,8 @@ class World {
     });
     member.process.read(Output::error, [&](const std::string& line) {
       if (!line.empty()) member.last_words = line;
-      write_line(line_with_role(member.plan.name, line));
+      // While all of them stop, each would only tell that it has lost the others.
+      if (!stopping_) write_line(line_with_role(member.plan.name, line));
     });
   }
 
@@ -183,6 +184,7 @@ class World {
   }
 
   void stop() {
+    stopping_ = true;
     for (const auto& member : members_) member.process.signal(SIGTERM);
     const std::int64_t kill_at_ms = now_ms() + options_.stop_limit_ms;
     while (any_running() && now_ms() < kill_at_ms) wait(20);
@@ -207,6 +209,7 @@ class World {
   std::vector<Member> members_;
   std::int64_t started_ms_ = now_ms();
   bool open_ = false;
+  bool stopping_ = false;
   std::string health_;
 };
 
