@@ -1,0 +1,89 @@
+// The gateway's ear on the regions: links, replicas, their status, and the moment that can be
+// drawn.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "protocol/wire.h"
+#include "server/gateway/draw_clock.h"
+#include "server/net/peer_links.h"
+#include "server/net/world_clock.h"
+#include "server/replica/replica_store.h"
+#include "server/worlds/world.h"
+
+namespace aureole {
+
+/// What a region last said of itself; see RegionStatus in protocol/messages.fbs.
+struct RegionReport {
+  bool up = false;  ///< Linked.
+  std::uint32_t bodies = 0, awake = 0;
+  double frame_ms_p50 = 0, frame_ms_max = 0;
+  std::uint64_t migrations_in = 0, migrations_out = 0;
+  std::uint64_t overruns = 0, skipped_ticks = 0, removed_strays = 0;
+  std::uint32_t unacknowledged = 0;
+};
+
+struct RegionSubscriberOptions {
+  std::uint16_t gateway = 0;
+  Incarnation incarnation;
+  std::vector<PeerAddress> regions;
+};
+
+/// Runs on the io_context's one thread.
+class RegionSubscriber {
+ public:
+  struct Events {
+    /// A region's update has been taken in.
+    std::function<void(RegionId)> updated;
+    /// A region was linked, became complete, or was lost.
+    std::function<void()> changed;
+  };
+
+  /// `world` must outlive it; `options.regions` must name regions of the world.
+  RegionSubscriber(boost::asio::io_context& io, const WorldDefinition& world,
+                   RegionSubscriberOptions options, Events events);
+
+  void start() { links_.start(); }
+  void stop() { links_.stop(); }
+
+  const ReplicaStore& store() const { return store_; }
+  bool is_linked(RegionId region) const { return links_.is_linked(PeerId::region(region)); }
+  /// Linked, and its whole state is here.
+  bool is_complete(RegionId region) const;
+  bool all_complete() const;
+  /// Names of regions that are not complete.
+  std::vector<std::string> missing() const;
+  std::size_t linked_count() const;
+
+  void send(RegionId to, std::span<const wire::Command> commands);
+  /// World time to draw at local time `local_us`; nothing until a region has been heard.
+  std::optional<std::int64_t> draw_us(std::int64_t local_us) {
+    return draw_clock_.world_us(local_us);
+  }
+  /// By region number, one for each region of the world.
+  const std::vector<RegionReport>& reports() const { return reports_; }
+
+ private:
+  Status on_frame(PeerId from, const Frame& frame);
+  Status on_status(RegionId from, const Frame& frame);
+  void on_up(PeerId peer);
+  void on_down(PeerId peer, const std::string& reason);
+  const std::string& name_of(RegionId region) const { return world_.regions[region.value].name; }
+
+  const WorldDefinition& world_;
+  std::vector<RegionId> regions_;
+  Events events_;
+  ReplicaStore store_;
+  DrawClock draw_clock_;
+  WorldClock world_clock_;
+  std::vector<RegionReport> reports_;
+  PeerLinks links_;
+};
+
+}  // namespace aureole
