@@ -27,6 +27,7 @@ using namespace std::chrono_literals;
 constexpr auto handshake_time = 3s;
 constexpr auto dial_pause_min = 50ms;
 constexpr auto dial_pause_max = 2000ms;
+constexpr auto quiet_pause = 400ms;
 /// Links are measured often at first, so that the clock is right soon, and steadily afterwards.
 constexpr auto measure_pause_first = 20ms;
 constexpr auto measure_pause = 250ms;
@@ -151,7 +152,8 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
 
   void dial_later(const DiallerPtr& dialler, const std::string& why) {
     if (stopped) return;
-    if (why != dialler->last_failure) {
+    // Servers that start together miss each other a few times; only a longer absence is news.
+    if (why != dialler->last_failure && dialler->pause >= quiet_pause) {
       spdlog::info("{} at {}:{} does not answer yet ({}); trying on", describe(dialler->address.peer),
                    dialler->address.at.host, dialler->address.at.port, why);
       dialler->last_failure = why;

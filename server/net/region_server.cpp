@@ -112,8 +112,7 @@ struct RegionServer::Impl {
     if (!clock.is_set() || !all_linked()) return;
     begun = true;
     next_tick = Tick{*clock.world_us(monotonic_us()) / tick_us + 1};
-    spdlog::info("the world runs: tick {}, {} bodies of the world file are ours to host",
-                 next_tick.value, core.physics().size());
+    spdlog::info("the world runs, from tick {} on", next_tick.value);
     wait_until(clock.local_us(next_tick.value * tick_us));
   }
 
