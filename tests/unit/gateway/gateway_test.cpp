@@ -357,7 +357,7 @@ TEST_CASE("Tools get all bodies and pictures from any camera, the same pixels ea
   REQUIRE(replicas["bodies"][49]["owner"] == "east");
   REQUIRE(replicas["bodies"][0]["asleep"] == true);
 
-  const std::string view = "/api/frame.jpg?x=0&y=3&z=12&pitch=-0.2&w=320&h=180&format=ppm";
+  const std::string view = "/api/frame.jpg?x=4&y=3&z=12&yaw=0.3&pitch=-0.2&w=320&h=180&format=ppm";
   const auto first = gateway.get(view), second = gateway.get(view);
   REQUIRE(first.status == 200);
   REQUIRE(first.body.size() == std::string("P6\n320 180\n255\n").size() + 320 * 180 * 3);
@@ -365,7 +365,7 @@ TEST_CASE("Tools get all bodies and pictures from any camera, the same pixels ea
   REQUIRE(gateway.get(view + "&tint=1").body != first.body);
   REQUIRE(gateway.get(view + "&boundaries=1").body != first.body);
   const auto moved =
-      gateway.get("/api/frame.jpg?x=0.01&y=3&z=12&pitch=-0.2&w=320&h=180&format=ppm");
+      gateway.get("/api/frame.jpg?x=4.01&y=3&z=12&yaw=0.3&pitch=-0.2&w=320&h=180&format=ppm");
   REQUIRE(moved.body != first.body);
   const auto jpeg = gateway.get("/api/frame.jpg?x=0&y=3&z=12&w=320&h=180");
   REQUIRE(jpeg.head.find("image/jpeg") != std::string::npos);
