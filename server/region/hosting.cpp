@@ -33,11 +33,11 @@ Hosting::Hosting(const WorldDefinition& world, RegionId self, Incarnation incarn
       statics_(statics_of(world)),
       physics_(world.physics, definitions_, statics_) {}
 
-void Hosting::spawn(std::span<const NewBody> bodies) {
+void Hosting::spawn(std::span<const NewBody> bodies, std::uint32_t epoch) {
   if (bodies.empty()) return;
   physics_.add(bodies);
   for (const NewBody& body : bodies) {
-    records_.emplace(body.id, Record{1, never_changed});
+    records_.emplace(body.id, Record{epoch, never_changed});
     publisher_.body_gained(body.id, version(body.id));
   }
   counts_.spawned += bodies.size();

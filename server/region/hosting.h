@@ -32,8 +32,10 @@ class Hosting {
   Tick changed_owner(BodyId id) const { return records_.at(id).changed_owner; }
   Version version(BodyId id) const { return {epoch(id), incarnation_, self_}; }
 
-  /// Bodies that come into the world here, in epoch 1.
-  void spawn(std::span<const NewBody> bodies);
+  /// Bodies that come into the world here. A name that is used again (a player who left comes back)
+  /// starts in a later epoch than it ended, or stores would take the newcomer for the one that is
+  /// gone.
+  void spawn(std::span<const NewBody> bodies, std::uint32_t epoch = 1);
   /// Takes bodies out of the world on purpose.
   void remove(std::span<const BodyId> ids);
 

@@ -74,7 +74,8 @@ void Players::join(const PlayerCommand& command, Tick, bool room, PlayerOutput& 
   avatar.gateway = command.gateway;
   avatar.yaw = world_.spawn_points[command.spawn % world_.spawn_points.size()].yaw_rad;
   const NewBody body{avatar.body(), world_.avatar, state};
-  hosting_.spawn(std::span(&body, 1));
+  // Sessions grow four times a second for ever, owners change far less often.
+  hosting_.spawn(std::span(&body, 1), command.session);
   avatars_.emplace(command.player, std::move(avatar));
 }
 
@@ -134,7 +135,7 @@ void Players::throw_body(Avatar& avatar, const PlayerCommand& command, bool room
   body.state.position = WorldPosition::from(
       Eigen::Vector3d(eye(avatar).vector() + (direction * (0.5f + size)).cast<double>()));
   body.state.linear_velocity = own + direction * item.speed_mps;
-  if (!hosting_.hosts(body.id)) hosting_.spawn(std::span(&body, 1));
+  if (!hosting_.hosts(body.id)) hosting_.spawn(std::span(&body, 1), avatar.session);
   ++avatar.thrown;
 
   const std::uint32_t cap = world_.max_thrown_per_player;

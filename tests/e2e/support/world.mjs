@@ -86,11 +86,15 @@ export async function start_play({ world = "playground" } = {}) {
 export async function start_world_by_hand({ world = "playground", regions = 4 } = {}) {
   const [gateway_port, ...region_ports] = await free_ports(regions + 1);
   const addresses = region_ports.map((port) => `127.0.0.1:${port}`);
-  // Every process knows all regions by their addresses, in the order in which the world file names
-  // them.
-  const peers = addresses.flatMap((address) => ["--region", address]);
-  const region_args = (index) => ["region", "--world", world, "--index", String(index), ...peers];
-  const gateway_args = ["gateway", "--world", world, "--port", String(gateway_port), ...peers];
+  const named = addresses.map((address, index) => `r${index}=${address}`);
+  const region_args = (index) => [
+    ...["region", "--world", world, "--region", String(index), "--listen", addresses[index]],
+    ...named.filter((_, other) => other !== index).flatMap((peer) => ["--peer", peer]),
+  ];
+  const gateway_args = [
+    ...["gateway", "--world", world, "--listen", `127.0.0.1:${gateway_port}`],
+    ...named.flatMap((region) => ["--region", region]),
+  ];
 
   const url = `http://localhost:${gateway_port}`;
   const children = [];

@@ -285,3 +285,25 @@ TEST_CASE("an avatar that falls out of the world respawns, others are removed") 
   REQUIRE(cluster.owner(my_body) == 0);
   REQUIRE(cluster.state(my_body).position.y > -21);
 }
+
+TEST_CASE("a player who left and comes back under the same name is seen again by the gateways") {
+  auto world = flat_world(2, 12);
+  RegionCluster cluster(world, 1);
+  Player player{cluster, 100};
+  player.join();
+  cluster.step(5);
+  player.act(Kind::throw_body);
+  player.hold(keys::forward);
+  cluster.step(60);
+  REQUIRE(cluster.owner(my_body) == 1);
+  player.act(Kind::leave);
+  cluster.step(5);
+  REQUIRE(cluster.store().size() == 0);
+  Player again{cluster, 108};
+  again.join();
+  cluster.step(5);
+  again.act(Kind::throw_body);
+  cluster.step(5);
+  REQUIRE(cluster.bodies_in_world() == 2);
+  REQUIRE(cluster.store().size() == 2);
+}
