@@ -250,7 +250,7 @@ TEST_CASE("A player who loses the connection goes on with the same avatar under 
     REQUIRE(client.connect());
     const Json welcome = welcome_of(client);
     token = welcome["token"];
-    RunningGateway::wait_for([&] { return stage.west.has_avatar(player_in(welcome)); });
+    REQUIRE(client.wait_for_text("\"region\":\"west\""));
     client.drop();
     RunningGateway::wait_for([&] { return applied_kind(stage.west, wire::CommandKind::lost); });
   }
