@@ -18,9 +18,7 @@ int main(int argc, char** argv) {
   aureole::add_region(app, exit_code);
   aureole::add_gateway(app, exit_code);
   aureole::add_status(app, exit_code);
-#ifdef AUREOLE_HAS_BENCH
   aureole::add_bench(app, exit_code);
-#endif
 
   if (argc == 1) {
     fmt::print("{}", app.help());

@@ -287,6 +287,7 @@ std::string welcome_text(const WelcomeMessage& m) {
                  {"token", m.token},
                  {"player", m.player.value},
                  {"resumed", m.resumed},
+                 {"yaw", m.yaw},
                  {"world", {{"name", m.world_name}, {"description", m.world_description}}},
                  {"regions", std::move(regions)},
                  {"throwables", m.throwables},

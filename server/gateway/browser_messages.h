@@ -97,6 +97,7 @@ struct WelcomeMessage {
   std::string token;
   PlayerId player;
   bool resumed = false;
+  float yaw = 0;  ///< Where a new player looks at first; the page goes on with it.
   std::string world_name;
   std::string world_description;
   std::vector<RegionLabel> regions;

@@ -218,6 +218,7 @@ void PlayerHub::admit(Seat& seat, std::int64_t now_us) {
   welcome.token = join.token;
   welcome.player = player;
   welcome.resumed = resumed;
+  welcome.yaw = options.look.yaw;
   welcome.world_name = world_.name;
   welcome.world_description = world_.description;
   for (std::uint16_t r = 0; r < world_.regions.size(); ++r) {

@@ -36,10 +36,14 @@ BodyState Players::standing_at(std::uint16_t spawn, PlayerId player) const {
 void Players::command(const PlayerCommand& command, Tick now, bool room, PlayerOutput& out) {
   const auto it = avatars_.find(command.player);
   if (it == avatars_.end()) {
-    if (const auto moved = moved_.find(command.player); moved != moved_.end())
+    const auto moved = moved_.find(command.player);
+    // A gateway that asks for a new avatar in a later session knows that the one of before is gone.
+    const bool anew = command.kind == PlayerCommand::Kind::join && command.target == BodyId{} &&
+                      (moved == moved_.end() || command.session > moved->second.session);
+    if (anew)
+      join(command, room, out);
+    else if (moved != moved_.end())
       out.forwarded[moved->second.to].push_back(command);
-    else if (command.kind == PlayerCommand::Kind::join)
-      join(command, now, room, out);
     return;  // For an avatar that is elsewhere the gateway will ask again.
   }
   Avatar& avatar = it->second;
@@ -58,8 +62,7 @@ void Players::command(const PlayerCommand& command, Tick now, bool room, PlayerO
   apply_waiting(command.player, now, room, out);
 }
 
-void Players::join(const PlayerCommand& command, Tick, bool room, PlayerOutput& out) {
-  if (command.target != BodyId{}) return;  // Of an avatar that exists somewhere: not ours to make.
+void Players::join(const PlayerCommand& command, bool room, PlayerOutput& out) {
   const BodyState state = standing_at(command.spawn, command.player);
   const RegionId home = map_.region_at(state.position.x, state.position.z);
   if (home != self_) {
@@ -77,6 +80,7 @@ void Players::join(const PlayerCommand& command, Tick, bool room, PlayerOutput& 
   // Sessions grow four times a second for ever, owners change far less often.
   hosting_.spawn(std::span(&body, 1), command.session);
   avatars_.emplace(command.player, std::move(avatar));
+  moved_.erase(command.player);
 }
 
 void Players::apply_waiting(PlayerId player, Tick now, bool room, PlayerOutput& out) {
@@ -230,7 +234,7 @@ std::vector<Avatar> Players::release(std::span<const BodyId> ids, RegionId to, T
     if (id.kind() != BodyId::Kind::avatar) continue;
     auto node = avatars_.extract(id.player());
     if (node.empty()) continue;
-    moved_[id.player()] = {to, now};
+    moved_[id.player()] = {to, node.mapped().session, now};
     reaching_.erase(id.player());
     leaving.push_back(std::move(node.mapped()));
   }

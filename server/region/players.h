@@ -58,7 +58,7 @@ class Players {
   static constexpr std::int64_t remember_moved_ticks = ticks_from_ms(30'000);
 
  private:
-  void join(const PlayerCommand& command, Tick now, bool room, PlayerOutput& out);
+  void join(const PlayerCommand& command, bool room, PlayerOutput& out);
   void apply(Avatar& avatar, const PlayerCommand& command, Tick now, bool room, PlayerOutput& out);
   void apply_waiting(PlayerId player, Tick now, bool room, PlayerOutput& out);
   void throw_body(Avatar& avatar, const PlayerCommand& command, bool room, PlayerOutput& out);
@@ -80,6 +80,7 @@ class Players {
   std::map<PlayerId, Avatar> avatars_;
   struct Moved {
     RegionId to;
+    std::uint32_t session;
     Tick when;
   };
   std::map<PlayerId, Moved> moved_;      ///< Where avatars went that were here.

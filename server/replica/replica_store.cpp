@@ -69,8 +69,29 @@ Status ReplicaStore::take(RegionId from, std::span<const std::byte> payload) {
       if (auto ok = check_player(*player); !ok) return ok;
       take_player(*player, from);
     }
-  region.complete = region.complete || update->complete();
+  if (update->complete() && !region.complete) {
+    region.complete = true;
+    drop_untold(from, region);
+  }
   return Ok{};
+}
+
+/// What was removed while the link was down is told by nobody: it shows in what its owner leaves out.
+void ReplicaStore::drop_untold(RegionId from, const Region& region) {
+  for (const Place& place : order_) {
+    const Body& body = bodies_[place.body];
+    if (body.id == place.id && body.key.version.region == from && body.link != region.link)
+      drop(place.id, place.body);
+  }
+}
+
+void ReplicaStore::drop(BodyId id, std::uint32_t place) {
+  Body& body = bodies_[place];
+  count(body, -1);
+  body = Body{};
+  freed_.push_back(place);
+  index_.erase(id);
+  if (id.kind() == BodyId::Kind::avatar) players_.erase(id.player());
 }
 
 Status ReplicaStore::take_key(const wire::ReplicaKey& key, RegionId from, Region& region) {
@@ -96,6 +117,7 @@ Status ReplicaStore::take_key(const wire::ReplicaKey& key, RegionId from, Region
   const bool same_owner = !is_new && body.key.version == version;
   if (!same_owner) set_owner(body, version);
   region.slots.bind(key.slot(), place, body.stamp);
+  body.link = region.link;
   // The state that an owner told on an earlier link may be newer than what a new link begins with.
   if (same_owner && tick < body.history.newest_tick()) return Ok{};
 
@@ -137,13 +159,8 @@ void ReplicaStore::move(Body& body, const Region& region, const GridPose& pose, 
 void ReplicaStore::take_removed(BodyId id, const Version& version) {
   const auto found = index_.find(id);
   if (found != index_.end()) {
-    Body& body = bodies_[found->second];
-    if (version < body.key.version) return;
-    count(body, -1);
-    body = Body{};
-    freed_.push_back(found->second);
-    index_.erase(found);
-    if (id.kind() == BodyId::Kind::avatar) players_.erase(id.player());
+    if (version < bodies_[found->second].key.version) return;
+    drop(id, found->second);
   }
   tombstones_.remember(id, version);
 }
@@ -172,6 +189,7 @@ void ReplicaStore::region_down(RegionId from) {
   const OwnerCounts counts = region.counts;
   region = Region{};
   region.counts = counts;
+  region.link = ++last_link_;
 }
 
 std::uint32_t ReplicaStore::add_body(BodyId id) {

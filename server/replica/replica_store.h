@@ -60,7 +60,8 @@ inline constexpr std::size_t replica_bodies_max = 200'000;
 
 /// Pure: no clock, no sockets. Versions decide: a state with a lower version than the one held is
 /// never taken, so the order in which regions are heard does not matter. A body leaves the store
-/// only when a region says that it was removed on purpose, with at least the version held.
+/// only when a region says that it was removed on purpose, with at least the version held,
+/// or when its owner, linked anew, has told its whole state without it.
 class ReplicaStore {
  public:
   explicit ReplicaStore(std::size_t prototype_count) : prototype_count_(prototype_count) {}
@@ -107,11 +108,13 @@ class ReplicaStore {
     BodyId id;
     std::uint64_t stamp = 0;  ///< Slots that were bound under another stamp mean somebody else.
     KeyState key;
+    std::uint64_t link = 0;   ///< Of its owner, over which it was told last.
     bool asleep = false;
   };
   struct Region {
     bool up = false;
     bool complete = false;
+    std::uint64_t link = 0;        ///< Tells this subscription from earlier ones.
     std::optional<Tick> newest;    ///< Of this subscription.
     std::optional<Tick> previous;  ///< The update before that.
     SlotTable slots;
@@ -123,6 +126,8 @@ class ReplicaStore {
   };
 
   Status take(RegionId from, std::span<const std::byte> payload);
+  void drop(BodyId id, std::uint32_t place);
+  void drop_untold(RegionId from, const Region& region);
   Status take_key(const wire::ReplicaKey& key, RegionId from, Region& region);
   Status take_motion(const wire::ReplicaMotion& motion, Region& region);
   void take_removed(BodyId id, const Version& version);
@@ -145,6 +150,7 @@ class ReplicaStore {
   std::vector<Place> order_;  ///< Ascending by id, but for the last `added_` ones until tidy().
   std::size_t added_ = 0;
   std::uint64_t last_stamp_ = 0;
+  std::uint64_t last_link_ = 0;
   Tombstones tombstones_;
   std::unordered_map<PlayerId, ReplicaPlayer> players_;
 };

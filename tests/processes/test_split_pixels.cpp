@@ -18,22 +18,22 @@ std::string sleeping_scene() {
   nlohmann::json world = nlohmann::json::parse(R"({
     "name": "sleeping", "bounds": {"min": [-100, -20, -100], "max": [100, 100, 100]},
     "regions": [{"name": "all", "area": {}}],
-    "statics": [{"name": "ground", "shape": {"type": "plane"}},
+    "statics": [{"name": "ground", "shape": {"type": "plane"}, "position": [0, 0, 0]},
                 {"name": "ramp", "shape": {"type": "box", "size": [4, 0.3, 6]}, "position": [-6, 1, 2],
-                 "orientation": {"pitch": 20}}],
+                 "orientation": {"pitch_deg": 20}}],
     "spawn_points": [{"position": [20, 1, 20]}], "bodies": []
   })");
   const char* colours[] = {"#d94f4f", "#4f8fd9", "#e0b040", "#58a868"};
   for (int i = 0; i < 60; ++i) {
     nlohmann::json b;
-    if (i % 3 == 0) b["shape"] = {{"type", "box"}, {"size", {0.8, 0.8, 0.8}}};
-    if (i % 3 == 1) b["shape"] = {{"type", "sphere"}, {"radius", 0.4}};
-    if (i % 3 == 2) b["shape"] = {{"type", "capsule"}, {"radius", 0.25}, {"height", 1.1}};
-    b["mass"] = 1;
+    if (i % 3 == 0) b["body"]["shape"] = {{"type", "box"}, {"size", {0.8, 0.8, 0.8}}};
+    if (i % 3 == 1) b["body"]["shape"] = {{"type", "sphere"}, {"radius", 0.4}};
+    if (i % 3 == 2) b["body"]["shape"] = {{"type", "capsule"}, {"radius", 0.25}, {"height", 1.1}};
+    b["body"]["mass_kg"] = 1;
     b["colour"] = colours[i % 4];
     b["asleep"] = true;
     b["position"] = {-5.0 + 1.0137 * (i % 10), 0.4 + 0.01 * (i % 7), -3.0 + 1.0291 * (i / 10)};
-    b["orientation"] = {{"yaw", 17.0 * i}};
+    b["orientation"] = {{"yaw_deg", 17.0 * (i % 20)}};
     world["bodies"].push_back(b);
   }
   return world.dump();

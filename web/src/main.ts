@@ -57,6 +57,7 @@ const connection = new Connection(
     on_status: (message) => {
       session.status = message;
       hud.status(message);
+      if (message.notice) hud.note(message.notice);
     },
     on_picture: (picture) => display.offer(picture),
     on_refused: (sentence) => overlay.refused(sentence),
@@ -193,6 +194,7 @@ function welcomed(welcome: Welcome): void {
   remember("sessionStorage", "token", session.token);
   session.player = welcome.player;
   session.resumed = welcome.resumed;
+  if (!welcome.resumed) look.set(welcome.yaw, 0);
   hud.welcome(welcome);
   hud.choose(session.item);
   document.title = `${welcome.world.name} · Aureole`;

@@ -19,6 +19,8 @@ export interface Welcome {
   token: string;
   player: string;
   resumed: boolean;
+  /** Radians: where a new player looks at first. */
+  yaw: number;
   world: { name: string; description: string };
   regions: Region[];
   throwables: string[];
@@ -31,13 +33,15 @@ export interface Status {
   awake: number;
   players: number;
   region: string;
-  /** Metres, y up. */
-  position: [number, number, number];
+  /** Metres, y up; null while no region has the avatar. */
+  position: [number, number, number] | null;
   carrying: boolean;
   regions_up: number;
   regions: number;
   world_time_s: number;
   quality: number;
+  /** Something to tell the player once; often empty. */
+  notice: string;
 }
 
 export type ServerMessage =
@@ -159,6 +163,7 @@ function parse_welcome(fields: Record<string, unknown>): Welcome {
     token,
     player: name_of(fields["player"], "welcome.player"),
     resumed: fields["resumed"] === true,
+    yaw: number_of(fields["yaw"] ?? 0, "welcome.yaw"),
     world: {
       name: string_of(world["name"], "welcome.world.name", 80),
       description: string_of(world["description"] ?? "", "welcome.world.description", 1000),
@@ -180,7 +185,8 @@ function parse_welcome(fields: Record<string, unknown>): Welcome {
 
 function parse_status(fields: Record<string, unknown>): Status {
   const number = (key: string) => number_of(fields[key], `status.${key}`);
-  const position = list_of(fields["position"], "status.position", 3);
+  const place = fields["position"];
+  const position = place === null ? null : list_of(place, "status.position", 3);
   return {
     type: "status",
     fps: number("fps"),
@@ -188,7 +194,7 @@ function parse_status(fields: Record<string, unknown>): Status {
     awake: number("awake"),
     players: number("players"),
     region: string_of(fields["region"] ?? "", "status.region", 80),
-    position: [
+    position: position && [
       number_of(position[0], "status.position[0]"),
       number_of(position[1], "status.position[1]"),
       number_of(position[2], "status.position[2]"),
@@ -198,6 +204,7 @@ function parse_status(fields: Record<string, unknown>): Status {
     regions: number("regions"),
     world_time_s: number("world_time_s"),
     quality: number("quality"),
+    notice: string_of(fields["notice"] ?? "", "status.notice", 400),
   };
 }
 

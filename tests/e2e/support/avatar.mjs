@@ -7,6 +7,8 @@ import { pause } from "./world.mjs";
 const pixels_per_radian = 1 / 0.0022;
 
 export async function position_of(page) {
+  // Null while the avatar is being made, or changes its server.
+  await wait_for_page(page, "an avatar with a position", (a) => Boolean(a.status?.position));
   return (await statistics_of(page)).status.position;
 }
 

@@ -195,3 +195,25 @@ async function free_ports(count) {
 export function pause(milliseconds) {
   return new Promise((resolve) => setTimeout(resolve, milliseconds));
 }
+
+/** All bodies as the gateway knows them. */
+export async function replicas(url) {
+  const response = await fetch(`${url}/api/replicas`);
+  if (!response.ok) throw new Error(`${url}/api/replicas answered ${response.status}`);
+  return (await response.json()).bodies;
+}
+
+/** Whether a player threw it: the top byte of a body's id says where the name comes from. */
+export function is_thrown(body) {
+  return BigInt(body.id) >> 56n === 4n;
+}
+
+/** Waits until `condition` holds. */
+export async function eventually(condition, what, timeout_ms = patience_ms) {
+  const until_ms = performance.now() + timeout_ms;
+  for (;;) {
+    if (await condition()) return true;
+    if (performance.now() > until_ms) throw new Error(`Waited ${timeout_ms / 1000} s for: ${what}`);
+    await pause(200);
+  }
+}

@@ -10,7 +10,7 @@
 #include "server/gateway/api.h"
 #include "server/gateway/static_files.h"
 #include "tests/support/catch.h"
-#include "tests/support/view_client.h"
+#include "tests/support/http_exchange.h"
 
 using namespace aureole;
 using namespace aureole::test;

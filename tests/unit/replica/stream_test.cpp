@@ -202,3 +202,29 @@ TEST_CASE("A new link of the same owner may begin with an older state, which is 
   REQUIRE(store.apply(r0, Update(10).motion(0, {10, 0, 0}).bytes()));
   CHECK(x_of(store, ball, 10) == 10);
 }
+
+TEST_CASE("What an owner, linked anew, leaves out of its whole state is gone") {
+  ReplicaStore store(1);
+  const BodyId other = BodyId::world(77);
+  store.region_up(r0);
+  REQUIRE(store.apply(r0, Update(1).key({}).key({.id = other, .slot = 1}).complete().bytes()));
+  store.region_down(r0);
+  store.region_up(r0);
+  REQUIRE(store.apply(r0, Update(9).key({.id = other, .slot = 1}).bytes()));
+  CHECK(store.size() == 2);  // Not before it has told everything.
+  REQUIRE(store.apply(r0, Update(9).complete().bytes()));
+  CHECK(store.size() == 1);
+  CHECK(store.version(other));
+  CHECK_FALSE(store.version(ball));
+}
+
+TEST_CASE("A body that has a new owner by then does not go with the old one's new link") {
+  ReplicaStore store(1);
+  store.region_up(r0);
+  store.region_up(r1);
+  REQUIRE(store.apply(r0, Update(1).key({.version = version_of(r0, 1)}).complete().bytes()));
+  store.region_up(r0);
+  REQUIRE(store.apply(r1, Update(2).key({.version = version_of(r1, 2)}).complete().bytes()));
+  REQUIRE(store.apply(r0, Update(2).complete().bytes()));
+  CHECK(store.size() == 1);
+}

@@ -13,7 +13,7 @@
 #include "server/base/result.h"
 #include "server/net/peer_links.h"
 
-namespace aureole::test {
+namespace aureole {
 
 /// One picture as it came, header taken apart (protocol/WIRE_FORMAT.md).
 struct ReceivedPicture {
@@ -73,15 +73,4 @@ class ViewClient {
   std::shared_ptr<Impl> impl_;
 };
 
-struct HttpAnswer {
-  unsigned status = 0;
-  std::string head;  ///< Status line and fields.
-  std::string body;
-};
-/// One request of one's own wording, for tests of odd ones; reads until the server closes or the
-/// body is whole.
-Result<HttpAnswer> http_exchange(const Endpoint& at, const std::string& request);
-/// GET `path`.
-Result<HttpAnswer> http_get_from(const Endpoint& at, const std::string& path);
-
-}  // namespace aureole::test
+}  // namespace aureole
