@@ -13,7 +13,6 @@
 //     touches, is an island: it goes to the region that holds most of it (section 3.5).
 #include <algorithm>
 #include <map>
-#include <optional>
 #include <set>
 #include <unordered_map>
 
@@ -94,8 +93,6 @@ class AuraPolicy final : public MigrationPolicy {
         found.push_back(it->second);
       for (std::uint32_t other : found) {
         if (cluster_[other] != none) continue;
-        // Two sleepers that only nearly touch, in the middle of nowhere, need no company: but a
-        // sleeper goes with whatever may move it.
         cluster_[other] = number;
         members.push_back(other);
       }
@@ -105,7 +102,7 @@ class AuraPolicy final : public MigrationPolicy {
 
   void send(const MigrationSituation& s, std::size_t cluster, RegionId to,
             std::map<RegionId, std::vector<BodyId>>& leaving) {
-    if (clusters_[cluster].sent || to == s.self) return;
+    if (clusters_[cluster].sent || to == s.self || !s.linked[to.value]) return;
     clusters_[cluster].sent = true;
     for (std::uint32_t member : clusters_[cluster].members)
       leaving[to].push_back(s.hosted[member].id);
@@ -138,16 +135,21 @@ class AuraPolicy final : public MigrationPolicy {
         visitors_[body].push_back(aura.host);
       }
     }
+    // Where one overlap takes our cluster away, the others must not pull strangers to the place that
+    // it leaves: the two would swap. So requests wait until it is known who stays.
+    std::vector<std::pair<std::size_t, const RemoteAura*>> wanted;
     for (const Overlap& overlap : overlaps) {
       const RegionId other = overlap.theirs->host;
       if (other < s.self) continue;  // Theirs to decide.
       const std::size_t cluster = cluster_of(s, overlap.ours);
       if (clusters_[cluster].sent) continue;
       if (destination(s, s.hosted[overlap.ours], *overlap.theirs) == s.self)
-        pulls[other].insert(overlap.theirs->id);
+        wanted.emplace_back(cluster, overlap.theirs);
       else
         send(s, cluster, other, leaving);
     }
+    for (const auto& [cluster, theirs] : wanted)
+      if (!clusters_[cluster].sent) pulls[theirs->host].insert(theirs->id);
   }
 
   /// Which of the two servers hosts both from now on. What moves goes to what rests; otherwise the
@@ -191,9 +193,12 @@ class AuraPolicy final : public MigrationPolicy {
   }
 
   /// Tells every server that may host something where the aura reaches: the regions it overlaps,
-  /// their neighbours (the corner case, section 3.6), and the hosts of auras that overlap it.
+  /// their neighbours (the corner case, section 3.6), and the hosts of auras that overlap it. An aura
+  /// beyond our neighbours concerns everybody: another server that hosts as far from its home would
+  /// otherwise neither hear of us nor be heard.
   void project(const MigrationSituation& s, MigrationDecision& decision) const {
     const Rectangle& home = s.map.area(s.self);
+    const auto& near = s.map.neighbours(s.self);
     for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
       if (cluster_[i] != none && clusters_[cluster_[i]].sent) continue;
       const AuraBox& box = boxes_[i];
@@ -208,6 +213,9 @@ class AuraPolicy final : public MigrationPolicy {
           to.insert(region);
           const auto& around = s.map.neighbours(region);
           to.insert(around.begin(), around.end());
+          if (region == s.self || std::binary_search(near.begin(), near.end(), region)) continue;
+          for (std::size_t k = 0; k < s.map.size(); ++k)
+            to.insert(RegionId{static_cast<std::uint16_t>(k)});
         }
       }
       to.erase(s.self);

@@ -49,6 +49,9 @@ struct MigrationSituation {
   std::span<const HostedBody> hosted;
   std::span<const RemoteAura> remote;
   std::span<const HandoverRequest> requested;
+  /// Whether a region can be handed anything now; by region. While one is down, its boundary lets
+  /// nobody through.
+  const std::vector<bool>& linked;
 };
 
 /// A group that goes to one server together.

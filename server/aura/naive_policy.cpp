@@ -19,7 +19,7 @@ class NaivePolicy final : public MigrationPolicy {
       if (home.distance(body.position.x, body.position.z) <= naive_hysteresis_m) continue;
       if (s.now - body.changed_owner < stay_ticks) continue;
       const RegionId to = s.map.region_at(body.position.x, body.position.z);
-      if (to == s.self) continue;
+      if (to == s.self || !s.linked[to.value]) continue;
       leaving[to].push_back(body.id);
       leaders.emplace(body.id, to);
     }

@@ -36,9 +36,13 @@ RemoteAura from_wire(const wire::Aura& aura, RegionId host) {
 void AuraExchange::link_up(RegionId id) {
   peers_[id] = {};
   peers_[id].up = true;
+  changed_ = true;
 }
 
-void AuraExchange::link_down(RegionId id) { peers_[id] = {}; }
+void AuraExchange::link_down(RegionId id) {
+  peers_[id] = {};
+  changed_ = true;
+}
 
 Status AuraExchange::receive(RegionId from, std::span<const std::byte> payload) {
   const auto* message = verified<wire::Auras>(payload);
@@ -65,6 +69,8 @@ Status AuraExchange::receive(RegionId from, std::span<const std::byte> payload) 
 }
 
 std::vector<HandoverRequest> AuraExchange::take_in() {
+  for (const auto& [id, peer] : peers_) changed_ = changed_ || !peer.arrived.empty();
+  if (!changed_) return {};
   std::map<BodyId, RegionId> requested;
   std::map<BodyId, RemoteAura> all;
   for (auto& [id, peer] : peers_) {
@@ -86,6 +92,7 @@ std::vector<HandoverRequest> AuraExchange::take_in() {
 }
 
 void AuraExchange::announce(Tick now, const MigrationDecision& decision) {
+  changed_ = false;
   std::map<RegionId, std::map<BodyId, Sent>> wanted;
   for (const ProjectedAura& aura : decision.projected) {
     Sent sent;

@@ -30,6 +30,8 @@ class AuraExchange {
   /// What others project to us now, ascending by body; one entry a body: of two servers that both
   /// claim it the lower number's.
   std::span<const RemoteAura> remote() const { return remote_; }
+  /// Whether anything was heard, or a link came or went, since the last announce().
+  bool has_changed() const { return changed_; }
 
   /// Prepares this tick's frames from what the policy decided.
   void announce(Tick now, const MigrationDecision& decision);
@@ -61,6 +63,7 @@ class AuraExchange {
   };
   std::map<RegionId, Peer> peers_;
   std::vector<RemoteAura> remote_;
+  bool changed_ = true;
 };
 
 }  // namespace aureole

@@ -31,7 +31,10 @@ Hosting::Hosting(const WorldDefinition& world, RegionId self, Incarnation incarn
       incarnation_(incarnation),
       definitions_(definitions_of(world)),
       statics_(statics_of(world)),
-      physics_(world.physics, definitions_, statics_) {}
+      physics_(world.physics, definitions_, statics_) {
+  for (const BodyDefinition& definition : definitions_)
+    radii_.push_back(bounding_radius(definition.shape));
+}
 
 void Hosting::spawn(std::span<const NewBody> bodies, std::uint32_t epoch) {
   if (bodies.empty()) return;

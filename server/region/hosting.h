@@ -26,6 +26,8 @@ class Hosting {
   ReplicaPublisher& publisher() { return publisher_; }
   std::span<const BodyDefinition> definitions() const { return definitions_; }
   std::span<const StaticDefinition> statics() const { return statics_; }
+  /// Radius of the bounding sphere of a prototype (m).
+  float radius(PrototypeId prototype) const { return radii_[prototype.value]; }
 
   bool hosts(BodyId id) const { return records_.contains(id); }
   std::uint32_t epoch(BodyId id) const { return records_.at(id).epoch; }
@@ -42,7 +44,7 @@ class Hosting {
   /// Stops hosting the bodies and returns them with their contacts; avatars are the caller's matter.
   HandoffGroup release(std::span<const BodyId> ids, Tick now);
   /// Hosts the group's bodies from now on, one epoch after its sender. Returns the ids taken: bodies
-  /// that are held here in the same or a later epoch are left out and counted as conflicts.
+  /// that are held here already are counted as conflicts; of the two the later epoch stays.
   std::vector<BodyId> accept(const HandoffGroup& group, Tick now);
 
   struct Counts {
@@ -61,6 +63,7 @@ class Hosting {
   Incarnation incarnation_;
   std::vector<BodyDefinition> definitions_;
   std::vector<StaticDefinition> statics_;
+  std::vector<float> radii_;  ///< By prototype.
   PhysicsWorld physics_;
   ReplicaPublisher publisher_;
   std::unordered_map<BodyId, Record> records_;

@@ -85,6 +85,8 @@ class RegionCore {
   /// Older groups are brought on by this many ticks only (1 s), and counted.
   static constexpr std::int64_t catch_up_ticks_max = 62;
   static constexpr std::int64_t status_interval_ticks = 16;
+  /// A sleeping region decides again at least this often (islands wait their time before they go).
+  static constexpr std::int64_t decision_interval_ticks = 16;
 
  private:
   struct Peer {
@@ -106,6 +108,7 @@ class RegionCore {
   void apply_blasts(Tick now);
   void remove_strays(Tick now);
   void migrate(Tick now);
+  bool nothing_stirs(Tick now) const;
   void emigrate(std::span<const BodyId> bodies, RegionId to, Tick now);
   void schedule_blast(const BlastEffect& blast, Tick now);
   void remove_somewhere(BodyId body, Tick now);
@@ -135,6 +138,8 @@ class RegionCore {
   std::vector<Outgoing> outbox_;
   std::vector<std::uint64_t> injected_;            ///< For each injector, how many it had made.
   Tick last_tick_;
+  Tick last_decision_{-decision_interval_ticks};
+  std::uint64_t changes_at_decision_ = 0;
   bool started_ = false;
   RegionStatistics extra_;                         ///< Only the counts that nobody else keeps.
 };

@@ -1,5 +1,6 @@
 // One step of a region, in the order that the design lays down.
 #include <algorithm>
+#include <set>
 
 #include "protocol/wire.h"
 #include "server/base/check.h"
@@ -63,7 +64,12 @@ void RegionCore::take_in_groups(Tick now) {
     catch_up(group,
              {hosting_.definitions(), hosting_.physics(), present, recent, AvatarTuning{}});
     const std::vector<BodyId> taken = hosting_.accept(group, now);
+    std::set<std::uint16_t> gateways;
+    for (const Avatar& avatar : group.avatars) gateways.insert(avatar.gateway);
     players_.accept(std::move(group.avatars), taken, now, has_room(1), player_output_);
+    // A gateway that went while its player was on the way took the player along.
+    for (std::uint16_t gateway : gateways)
+      if (!peers_.contains(PeerId::gateway(gateway))) players_.gateway_down(gateway, now);
     for (BodyId id : taken)
       if (pending_removals_.erase(id) > 0) remove_somewhere(id, now);
   }
@@ -108,8 +114,11 @@ void RegionCore::schedule_blast(const BlastEffect& blast, Tick now) {
 }
 
 void RegionCore::apply_blasts(Tick now) {
-  for (const BlastEffect& blast : blasts_)
-    if (blast.tick == now) apply_blast(hosting_.physics(), blast);
+  // Those of ticks that were left out count too, late as they are.
+  for (const BlastEffect& blast : blasts_) {
+    const bool due = blast.tick == now || (started_ && blast.tick > last_tick_ && blast.tick < now);
+    if (due) apply_blast(hosting_.physics(), blast);
+  }
   while (!blasts_.empty() && now - blasts_.front().tick > remember_blasts_ticks)
     blasts_.pop_front();
 }
@@ -173,7 +182,16 @@ void RegionCore::remove_strays(Tick) {
   extra_.removed_strays += strays.size();
 }
 
+bool RegionCore::nothing_stirs(Tick now) const {
+  const Hosting::Counts& c = hosting_.counts();
+  return hosting_.physics().awake_count() == 0 && handover_requests_.empty() &&
+         !aura_exchange_.has_changed() && now - last_decision_ < decision_interval_ticks &&
+         c.spawned + c.removed + c.migrations_in + c.migrations_out == changes_at_decision_;
+}
+
 void RegionCore::migrate(Tick now) {
+  // Most of a world sleeps most of the time; what was decided then still holds.
+  if (nothing_stirs(now)) return;
   std::map<BodyId, BodyId> leaders;
   for (const Avatar* avatar : players_.avatars())
     if (avatar->carried != BodyId{}) leaders[avatar->carried] = avatar->body();
@@ -183,21 +201,24 @@ void RegionCore::migrate(Tick now) {
   for (BodyId id : physics.ids()) {
     const auto leader = leaders.find(id);
     const BodyState state = physics.state(id);
-    const Shape& shape = hosting_.definitions()[physics.prototype(id).value].shape;
     hosted.push_back({id, state.position, physics.half_extents(id).cast<double>(),
                       state.linear_velocity.norm() +
-                          state.angular_velocity.norm() * bounding_radius(shape),
+                          state.angular_velocity.norm() * hosting_.radius(physics.prototype(id)),
                       state.activation == Activation::asleep,
                       leader == leaders.end() ? BodyId{} : leader->second,
                       hosting_.changed_owner(id)});
   }
-  const MigrationDecision decision =
-      policy_->decide({now, self_, map_, hosted, aura_exchange_.remote(), handover_requests_});
+  std::vector<bool> linked;
+  for (std::size_t i = 0; i < map_.size(); ++i)
+    linked.push_back(is_up(RegionId{static_cast<std::uint16_t>(i)}));
+  const MigrationDecision decision = policy_->decide(
+      {now, self_, map_, hosted, aura_exchange_.remote(), handover_requests_, linked});
   handover_requests_.clear();
   aura_exchange_.announce(now, decision);
+  const Hosting::Counts& c = hosting_.counts();
+  changes_at_decision_ = c.spawned + c.removed + c.migrations_in + c.migrations_out;
+  last_decision_ = now;
   for (const Migration& migration : decision.leaving) {
-    // While a region is down, its boundary lets nobody through.
-    if (!is_up(migration.to)) continue;
     std::span<const BodyId> rest(migration.bodies);
     while (!rest.empty()) {
       const std::size_t count = std::min(rest.size(), max_handoff_bodies);

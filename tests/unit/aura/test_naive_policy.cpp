@@ -9,6 +9,7 @@ namespace {
 constexpr double inf = std::numeric_limits<double>::infinity();
 const PartitionMap halves({{-inf, -inf, 0, inf}, {0, -inf, inf, inf}});
 constexpr Tick long_ago{-1000};
+const std::vector<bool> linked{true, true};
 
 HostedBody at(int n, double x, Tick changed = long_ago, BodyId leader = {}) {
   HostedBody body;
@@ -21,7 +22,7 @@ HostedBody at(int n, double x, Tick changed = long_ago, BodyId leader = {}) {
 }
 
 std::vector<Migration> decide(std::vector<HostedBody> bodies, Tick now = Tick{0}) {
-  return make_naive_policy()->decide({now, RegionId{0}, halves, bodies, {}, {}}).leaving;
+  return make_naive_policy()->decide({now, RegionId{0}, halves, bodies, {}, {}, linked}).leaving;
 }
 
 }  // namespace
