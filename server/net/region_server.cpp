@@ -39,7 +39,7 @@ struct RegionServer::Impl {
   FrameStatistics frames{tick_us};
   bool begun = false;
   bool stopped = false;
-  Tick next_tick;
+  Tick next_tick, next_report;
   std::uint64_t skipped_ticks = 0;
   std::uint64_t reported_overruns = 0;
   std::uint64_t reported_skipped = 0;
@@ -163,7 +163,8 @@ struct RegionServer::Impl {
   }
 
   void report() {
-    if (next_tick.value % report_interval_ticks != 0) return;
+    if (next_tick < next_report) return;
+    next_report = next_tick + report_interval_ticks;
     const std::uint64_t overruns = frames.overruns() - reported_overruns;
     const std::uint64_t skipped = skipped_ticks - reported_skipped;
     if (overruns + skipped > 0)
