@@ -50,21 +50,49 @@ class AuraPolicy final : public MigrationPolicy {
   }
 
  private:
-  AuraBox aura_of(const HostedBody& body) const {
+  /// `speed_mps`: the fastest that the body may soon move; negative: it rests.
+  AuraBox aura_of(const HostedBody& body, double speed_mps) const {
     AuraBox box{body.position.vector(), body.half_extents};
     double reach = resting_margin_m;
-    if (!body.asleep) {
+    if (speed_mps >= 0) {
       const double fall = 0.5 * 9.81 * reach_s_ * reach_s_;
-      reach += body.surface_speed_mps * reach_s_ + fall;
+      reach += speed_mps * reach_s_ + fall;
     }
     box.half.array() += reach;
     return box;
   }
 
+  /// What may soon be struck may soon move as fast as what strikes it, and then it is too late to
+  /// ask whom it meets (paper notes, 5): its aura grows before the blow.
+  void expect_blows(const MigrationSituation& s) {
+    std::vector<double> speeds(speeds_);
+    std::vector<std::uint32_t> found;
+    bool any = false;
+    for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
+      if (s.hosted[i].asleep) continue;
+      found.clear();
+      grid_.find(boxes_[i], found);
+      for (std::uint32_t other : found) {
+        if (speeds[other] >= speeds_[i]) continue;
+        speeds[other] = speeds_[i];
+        any = true;
+      }
+    }
+    if (!any) return;
+    for (std::uint32_t i = 0; i < s.hosted.size(); ++i)
+      if (speeds[i] > speeds_[i]) boxes_[i] = aura_of(s.hosted[i], speeds[i]);
+    grid_.build(boxes_);
+  }
+
   void prepare(const MigrationSituation& s) {
     boxes_.clear();
-    for (const HostedBody& body : s.hosted) boxes_.push_back(aura_of(body));
+    speeds_.clear();
+    for (const HostedBody& body : s.hosted) {
+      speeds_.push_back(body.asleep ? -1 : body.surface_speed_mps);
+      boxes_.push_back(aura_of(body, speeds_.back()));
+    }
     grid_.build(boxes_);
+    expect_blows(s);
     cluster_.assign(s.hosted.size(), none);
     clusters_.clear();
     contested_.assign(s.hosted.size(), false);
@@ -179,8 +207,10 @@ class AuraPolicy final : public MigrationPolicy {
       bool leaves = true;
       for (std::uint32_t member : cluster.members) {
         const HostedBody& body = s.hosted[member];
+        // Who moves may be met again as soon as it is home, and would be back at once.
+        const std::int64_t stay = body.asleep ? stay_ticks : 2 * stay_ticks;
         leaves = leaves && is_away(member) && !contested_[member] &&
-                 s.now - body.changed_owner >= stay_ticks;
+                 s.now - body.changed_owner >= stay;
         ++holds[s.map.region_at(body.position.x, body.position.z)];
       }
       if (!leaves) continue;
@@ -233,6 +263,7 @@ class AuraPolicy final : public MigrationPolicy {
   };
   double reach_s_;
   std::vector<AuraBox> boxes_;
+  std::vector<double> speeds_;  ///< Of each body by itself (m/s); negative: it rests.
   OverlapGrid grid_;
   std::vector<std::size_t> cluster_;
   std::vector<Cluster> clusters_;

@@ -100,7 +100,8 @@ std::unique_ptr<MigrationPolicy> make_aura_policy(const AuraTolerances& toleranc
 inline constexpr double naive_hysteresis_m = 0.05;
 /// How far a cluster's nearest member must be outside its host's region before it goes home (m).
 inline constexpr double home_hysteresis_m = 0.5;
-/// Half a second: at most two changes of owner in any second.
+/// Half a second: at most two changes of owner in any second. Where a body may be fetched back at
+/// any moment (auras), what moves waits twice as long before it goes home.
 inline constexpr std::int64_t stay_ticks = 32;
 
 }  // namespace aureole

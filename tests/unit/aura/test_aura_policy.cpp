@@ -214,3 +214,15 @@ TEST_CASE("an island that a projected aura touches stays until the two are toget
   scene.remote.clear();
   REQUIRE(scene.decide().leaving.size() == 1);
 }
+
+TEST_CASE("an island waits before it goes home: half a second at rest, a second while it moves") {
+  // Whoever moves may be met, and fetched back, the moment it has gone: two changes in a second.
+  Scene scene;
+  for (const std::int64_t ago : {stay_ticks - 1, stay_ticks, 2 * stay_ticks - 1, 2 * stay_ticks}) {
+    scene.hosted = {asleep_at(0, 15)};
+    scene.hosted[0].changed_owner = Tick{-ago};
+    REQUIRE(scene.decide().leaving.empty() == (ago < stay_ticks));
+    scene.hosted[0].asleep = false;
+    REQUIRE(scene.decide().leaving.empty() == (ago < 2 * stay_ticks));
+  }
+}

@@ -17,6 +17,17 @@ bool step_until(RegionCluster& cluster, int limit, Done done) {
   return done();
 }
 
+/// Four regions around a corner at the origin.
+WorldDefinition four_way_world() {
+  WorldDefinition world = flat_world(1);
+  const double inf = std::numeric_limits<double>::infinity();
+  world.regions = {{"a", {-inf, -inf, 0, 0}},
+                   {"b", {0, -inf, inf, 0}},
+                   {"c", {-inf, 0, 0, inf}},
+                   {"d", {0, 0, inf, inf}}};
+  return world;
+}
+
 }  // namespace
 
 TEST_CASE("two balls that fly at each other over a boundary bounce off as on one server") {
@@ -78,7 +89,8 @@ TEST_CASE("a ball thrown at a wall that the neighbour hosts knocks it over as on
     wall.clear();
     for (int row = 0; row < 3; ++row)
       for (int i = 0; i < 3; ++i)
-        wall.push_back(put(*world, box, {50.6, 0.5 + row, -1.0 + i}, {0, 0, 0}, Activation::asleep));
+        wall.push_back(
+            put(*world, box, {50.6, 0.5 + row, -1.0 + i}, {0, 0, 0}, Activation::asleep));
     thrown = put(*world, ball, {40, 1.6, 0}, {20, 1, 0});
     world->prototypes[0].body.mass_kg = 8;
   }
@@ -95,12 +107,7 @@ TEST_CASE("a ball thrown at a wall that the neighbour hosts knocks it over as on
 }
 
 TEST_CASE("dominoes fall in order over a four-way corner, as on one server") {
-  auto whole = flat_world(1);
-  auto split = whole;
-  split.regions.clear();
-  const double inf = std::numeric_limits<double>::infinity();
-  split.regions = {{"a", {-inf, -inf, 0, 0}}, {"b", {0, -inf, inf, 0}},
-                   {"c", {-inf, 0, 0, inf}}, {"d", {0, 0, inf, inf}}};
+  auto whole = flat_world(1), split = four_way_world();
   std::vector<BodyId> line;
   for (auto* world : {&whole, &split}) {
     world->prototypes[1].body.shape = BoxShape{{0.06f, 0.5f, 0.25f}};
@@ -185,9 +192,8 @@ TEST_CASE("two servers that see the same overlap do not swap their bodies for ev
   const BodyId a = put(world, ball, {49.4, 0.3, 0}, {1, 0, 0});
   const BodyId b = put(world, ball, {50.6, 0.3, 0}, {-1, 0, 0});
   RegionCluster cluster(world, 1);
-  REQUIRE(step_until(cluster, 30, [&] {
-    return cluster.owner(a) && cluster.owner(a) == cluster.owner(b);
-  }));
+  REQUIRE(step_until(cluster, 30,
+                     [&] { return cluster.owner(a) && cluster.owner(a) == cluster.owner(b); }));
   std::uint64_t moves = 0;
   cluster.step(300);
   for (int i = 0; i < 2; ++i) moves += cluster.core(i).statistics().migrations_in;
@@ -207,4 +213,96 @@ TEST_CASE("after a reset of the link auras are told again and the meeting still 
   cluster.step(50);
   REQUIRE(cluster.owner(a) == cluster.owner(b));
   REQUIRE(cluster.state(a).linear_velocity.x() < -3);
+}
+
+TEST_CASE("four balls of four regions meet at the corner and bounce off as on one server") {
+  auto whole = flat_world(1), split = four_way_world();
+  std::vector<BodyId> balls;
+  for (auto* world : {&whole, &split}) {
+    balls.clear();
+    for (const double x : {-3.0, 3.0})
+      for (const double z : {-3.0, 3.0})
+        balls.push_back(put(*world, ball, {x, 20, z},
+                            {static_cast<float>(-2 * x), 0, static_cast<float>(-2 * z)}));
+    world->prototypes[0].body.restitution = 1;
+  }
+  for (const int delay : {0, 1, 2}) {
+    RegionCluster one(whole), four(split, delay);
+    one.step(45);
+    four.step(45);
+    for (BodyId id : balls) {
+      INFO("delay " << delay << ", ball " << id.value);
+      REQUIRE(four.owner(id));
+      REQUIRE(one.state(id).linear_velocity.x() * one.state(id).position.x > 0);
+      REQUIRE((four.state(id).linear_velocity - one.state(id).linear_velocity).norm() < 0.2f);
+    }
+    REQUIRE(four.bodies_in_world() == 4);
+  }
+}
+
+TEST_CASE("what is struck strikes on, over the boundary, as on one server") {
+  struct Row {
+    double from_x, gap_m;
+    float speed_mps;
+  };
+  for (const Row& r : {Row{48, 0.9, 15}, Row{48.6, 0.9, 15}, Row{49.9, 1.2, 8}}) {
+    auto whole = flat_world(1), split = flat_world(2, 50);
+    std::vector<BodyId> row;
+    for (auto* world : {&whole, &split}) {
+      world->prototypes[0].body.restitution = 1;
+      world->prototypes[0].body.friction = 0;
+      row = {put(*world, ball, {r.from_x - 5, 0.3, 0}, {r.speed_mps, 0, 0})};
+      for (int i = 0; i < 5; ++i)
+        row.push_back(
+            put(*world, ball, {r.from_x + r.gap_m * i, 0.3, 0}, {0, 0, 0}, Activation::asleep));
+    }
+    for (const int delay : {0, 1}) {
+      RegionCluster one(whole), two(split, delay);
+      // Until the last one has been struck and rolled on for three metres.
+      const int ticks = static_cast<int>((8 + 5 * r.gap_m) / (r.speed_mps * tick_s));
+      one.step(ticks);
+      two.step(ticks);
+      for (std::size_t i = 0; i < row.size(); ++i) {
+        INFO("from " << r.from_x << " m, delay " << delay << ", ball " << i);
+        REQUIRE(std::abs(one.state(row[i]).position.x - two.state(row[i]).position.x) < 0.3);
+      }
+    }
+  }
+}
+
+TEST_CASE(
+    "who steps to and fro in front of a neighbour's body changes servers twice a second at most") {
+  auto world = flat_world(2, 50);
+  world.spawn_points[0].position = {49.0, 0.95, 0};
+  put(world, box, {50.8, 0.5, 0}, {0, 0, 0}, Activation::asleep);
+  RegionCluster cluster(world, 1);
+  PlayerCommand command;
+  command.player = PlayerId{5};  // Stands 0.64 m before the spawn point.
+  command.session = 1;
+  command.sequence = 1;
+  command.kind = PlayerCommand::Kind::join;
+  cluster.command(command, 0);
+  cluster.step(60);
+  command.kind = PlayerCommand::Kind::input;
+  command.yaw = -1.5708f;  // East.
+  std::vector<int> changes;
+  std::optional<int> owner = 0;
+  for (int t = 0; t < 600; ++t) {
+    const auto now = cluster.owner(BodyId::avatar(command.player));
+    if (now && now != owner) {
+      owner = now;
+      changes.push_back(t);
+    }
+    if (now && t % 18 == 0) {
+      command.keys = t / 18 % 2 == 0 ? keys::forward : keys::back;
+      ++command.sequence;
+      cluster.command(command);
+    }
+    cluster.step();
+  }
+  REQUIRE(changes.size() > 4);
+  for (std::size_t i = 2; i < changes.size(); ++i) {
+    INFO("at ticks " << changes[i - 2] << ", " << changes[i - 1] << ", " << changes[i]);
+    REQUIRE(changes[i] - changes[i - 2] >= 62);
+  }
 }
