@@ -34,16 +34,14 @@ int write_json(const std::string& path, const nlohmann::json& json) {
   std::ofstream file(path);
   file << json.dump(2) << '\n';
   if (file) return exit_ok;
-  fmt::print(stderr, "aureole: cannot write {}\n", path);
-  return exit_failed;
+  return complain(exit_failed, fmt::format("cannot write {}", path));
 }
 
 int bench_view(const ViewOptions& options) {
   render::configure_software_rasteriser(0);
   const auto results = render::run_render_bench(options.render);
   if (!results) {
-    fmt::print(stderr, "aureole: {}\n", results.failure().message);
-    return exit_failed;
+    return complain(exit_failed, results.failure().message);
   }
   fmt::print("Medians over {} frames of {}×{}, in thread CPU time; JPEG quality {}.\n",
              options.render.frames, options.render.width, options.render.height,
@@ -74,8 +72,7 @@ double quantile(const std::vector<double>& sorted, double share) {
 int bench_stream(const StreamOptions& options) {
   const auto gateway = parse_endpoint(options.gateway);
   if (!gateway) {
-    fmt::print(stderr, "aureole: --gateway: {}\n", gateway.error().message);
-    return exit_usage;
+    return complain(exit_usage, fmt::format("--gateway: {}", gateway.error().message));
   }
   ViewClientOptions client_options;
   client_options.gateway = *gateway;
@@ -84,18 +81,18 @@ int bench_stream(const StreamOptions& options) {
   client_options.height = options.height;
   ViewClient client(client_options);
   if (auto ok = client.connect(); !ok) {
-    fmt::print(stderr, "aureole: no gateway at {} ({}); start one with `aureole play`\n",
-               options.gateway, ok.error().message);
-    return exit_failed;
+    return complain(exit_failed, fmt::format("no gateway at {} ({}); start one with `aureole play`",
+                                             options.gateway, ok.error().message));
   }
   // The first pictures pay for compiling shaders.
   if (!client.wait_for_pictures(60)) {
-    fmt::print(stderr, "aureole: the gateway at {} sends no pictures\n", options.gateway);
-    return exit_failed;
+    return complain(exit_failed,
+                    fmt::format("the gateway at {} sends no pictures", options.gateway));
   }
   const std::size_t first = client.pictures();
   const std::uint64_t bytes_before = client.picture_bytes();
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(options.seconds);
+  const auto end =
+      std::chrono::steady_clock::now() + std::chrono::duration<double>(options.seconds);
   for (std::uint32_t seq = 1; std::chrono::steady_clock::now() < end; ++seq) {
     // Looking around, so that every picture is another one.
     client.send_input(seq, 0, 0.02 * seq, 0);
@@ -110,16 +107,16 @@ int bench_stream(const StreamOptions& options) {
   for (std::size_t i = arrivals.size() - count; i + 1 < arrivals.size(); ++i)
     gaps_ms.push_back(static_cast<double>(arrivals[i + 1] - arrivals[i]) / 1e3);
   if (gaps_ms.empty()) {
-    fmt::print(stderr, "aureole: no pictures came in {} s\n", options.seconds);
-    return exit_failed;
+    return complain(exit_failed, fmt::format("no pictures came in {} s", options.seconds));
   }
   std::sort(gaps_ms.begin(), gaps_ms.end());
   const double fps = static_cast<double>(count) / options.seconds;
   const std::uint64_t bytes_each = bytes / std::max<std::size_t>(count, 1);
-  fmt::print("{:.1f} pictures/s of {}×{}, gaps p50 {:.1f} ms, p99 {:.1f} ms, longest {:.1f} ms, "
-             "{} bytes each\n",
-             fps, options.width, options.height, quantile(gaps_ms, 0.5), quantile(gaps_ms, 0.99),
-             gaps_ms.back(), bytes_each);
+  fmt::print(
+      "{:.1f} pictures/s of {}×{}, gaps p50 {:.1f} ms, p99 {:.1f} ms, longest {:.1f} ms, "
+      "{} bytes each\n",
+      fps, options.width, options.height, quantile(gaps_ms, 0.5), quantile(gaps_ms, 0.99),
+      gaps_ms.back(), bytes_each);
   return write_json(options.json, {{"bench", "stream"},
                                    {"pictures_per_s", fps},
                                    {"gap_ms_p50", quantile(gaps_ms, 0.5)},

@@ -30,11 +30,6 @@ struct GatewayCommandOptions {
   std::string log_level;
 };
 
-int complain(int exit_code, const std::string& sentence) {
-  fmt::print(stderr, "aureole: {}\n", sentence);
-  return exit_code;
-}
-
 int run_gateway(const GatewayCommandOptions& options) {
   if (auto ok = start_logging("gateway", chosen_log_level(options.log_level)); !ok)
     return complain(exit_usage, ok.error().message);

@@ -2,12 +2,10 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "server/commands/commands.h"
-
-#include <CLI/CLI.hpp>
-
 #include "server/ops/installation.h"
 #include "server/ops/logging.h"
 #include "server/ops/ports.h"
@@ -26,11 +24,6 @@ struct PlayOptions {
   std::string log_level;
   std::string server_binary;
 };
-
-int complain(const std::string& sentence, int code) {
-  fmt::print(stderr, "aureole: {}\n", sentence);
-  return code;
-}
 
 /// The port for the page: the one wanted if it is free, any free one for 0.
 Result<std::uint16_t> page_port(const PlayOptions& options) {
@@ -60,7 +53,7 @@ bool any_taken(const std::vector<std::uint16_t>& ports) {
 int play(const PlayOptions& options) {
   const std::string log_level = chosen_log_level(options.log_level);
   if (const Status known = start_logging("play", log_level); !known) {
-    return complain(known.error().message, exit_usage);
+    return complain(exit_usage, known.error().message);
   }
   WorldPlan plan;
   plan.world = options.world;
@@ -68,12 +61,12 @@ int play(const PlayOptions& options) {
   plan.log_level = log_level;
   if (options.regions != 0) plan.regions = options.regions;
   const auto world = load_world(options.world, {.regions = plan.regions});
-  if (!world) return complain(world.error().message, exit_usage);
+  if (!world) return complain(exit_usage, world.error().message);
 
   const auto own_binary = executable_path();
   plan.web_root = options.web_root.empty() ? web_root_beside(own_binary) : options.web_root;
   const auto port = page_port(options);
-  if (!port) return complain(port.error().message, exit_usage);
+  if (!port) return complain(exit_usage, port.error().message);
   plan.port = *port;
 
   SupervisorOptions supervisor;
@@ -90,12 +83,12 @@ int play(const PlayOptions& options) {
   for (std::uint32_t attempt = 0;; ++attempt) {
     const auto ports =
         free_loopback_ports(regions, static_cast<std::uint32_t>(getpid()) + attempt * 7919u);
-    if (!ports) return complain(ports.error().message, exit_failed);
+    if (!ports) return complain(exit_failed, ports.error().message);
     plan.region_ports = *ports;
     const PlayOutcome outcome = run_world(supervisor, processes_of(plan));
     if (outcome.end == PlayEnd::asked) return exit_ok;
     const bool unlucky = outcome.end == PlayEnd::failed_at_start && any_taken(plan.region_ports);
-    if (!unlucky || attempt + 1 == attempts) return complain(outcome.sentence, exit_failed);
+    if (!unlucky || attempt + 1 == attempts) return complain(exit_failed, outcome.sentence);
     fmt::print(stderr,
                "play: another program took one of the chosen ports; starting with others\n");
   }

@@ -27,11 +27,6 @@ struct RegionOptions {
   std::string log_level;
 };
 
-int complain(int exit_code, const std::string& sentence) {
-  fmt::print(stderr, "aureole: {}\n", sentence);
-  return exit_code;
-}
-
 int run_region(const RegionOptions& options) {
   const std::string role = fmt::format("r{}", options.region);
   if (auto ok = start_logging(role, chosen_log_level(options.log_level)); !ok)

@@ -21,17 +21,14 @@ int show_status(const StatusOptions& options) {
   while (base.ends_with('/')) base.pop_back();
   const auto answer = http_get(base + "/api/status", 3000);
   if (!answer) {
-    fmt::print(stderr, "aureole: {}\n", answer.error().message);
-    return exit_failed;
+    return complain(exit_failed, answer.error().message);
   }
   if (answer->status != 200) {
-    fmt::print(stderr, "aureole: {}/api/status answers {}\n", base, answer->status);
-    return exit_failed;
+    return complain(exit_failed, fmt::format("{}/api/status answers {}", base, answer->status));
   }
   const auto status = parse_world_status(answer->body);
   if (!status) {
-    fmt::print(stderr, "aureole: {}: {}\n", base, status.error().message);
-    return exit_failed;
+    return complain(exit_failed, fmt::format("{}: {}", base, status.error().message));
   }
   if (options.region.empty()) {
     fmt::print("{}", status_table(*status));
@@ -41,8 +38,7 @@ int show_status(const StatusOptions& options) {
     fmt::print("{} is {}\n", region->name, region->up ? "up" : "down");
     return region->up ? exit_ok : exit_failed;
   }
-  fmt::print(stderr, "aureole: there is no region '{}' at {}\n", options.region, base);
-  return exit_usage;
+  return complain(exit_usage, fmt::format("there is no region '{}' at {}", options.region, base));
 }
 
 }  // namespace

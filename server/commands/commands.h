@@ -1,7 +1,11 @@
 // The subcommands of `aureole`: each file beside this one adds one of them to the command line.
 #pragma once
 
+#include <fmt/core.h>
+
 #include <CLI/App.hpp>
+#include <cstdio>
+#include <string>
 
 namespace aureole {
 
@@ -18,5 +22,11 @@ void add_bench(CLI::App& app, int& exit_code);
 inline constexpr int exit_ok = 0;
 inline constexpr int exit_failed = 1;
 inline constexpr int exit_usage = 2;
+
+/// Says what is wrong on stderr and returns the exit code.
+inline int complain(int exit_code, const std::string& sentence) {
+  fmt::print(stderr, "aureole: {}\n", sentence);
+  return exit_code;
+}
 
 }  // namespace aureole
