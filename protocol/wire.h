@@ -9,6 +9,10 @@
 
 namespace aureole {
 
+/// Sessions of players stay below this, so that the next one and the epochs that start from them
+/// (region/players.cpp) never wrap around. They count quarters of seconds since 2025: 30 years.
+inline constexpr std::uint32_t session_max = 0xf000'0000;
+
 namespace detail {
 
 /// The verifier looks at the alignment of a vector's length (4 bytes) only, while reading elements

@@ -64,24 +64,21 @@ Status AuraExchange::receive(RegionId from, std::span<const std::byte> payload) 
   Peer& peer = peers_[from];
   if (peer.theirs.size() + told.auras.size() > 4 * max_auras)
     return Error{"a region projects more auras than a world can hold"};
-  peer.arrived.push_back(std::move(told));
+  for (const RemoteAura& aura : told.auras) peer.theirs.insert_or_assign(aura.id, aura);
+  for (BodyId gone : told.removed) peer.theirs.erase(gone);
+  // Only the newest message's requests are still meant: they are repeated until they are met.
+  peer.pulls = std::move(told.pulls);
+  changed_ = true;
   return Ok{};
 }
 
 std::vector<HandoverRequest> AuraExchange::take_in() {
-  for (const auto& [id, peer] : peers_) changed_ = changed_ || !peer.arrived.empty();
   if (!changed_) return {};
   std::map<BodyId, RegionId> requested;
   std::map<BodyId, RemoteAura> all;
   for (auto& [id, peer] : peers_) {
-    for (const Told& told : peer.arrived) {
-      for (const RemoteAura& aura : told.auras) peer.theirs.insert_or_assign(aura.id, aura);
-      for (BodyId gone : told.removed) peer.theirs.erase(gone);
-    }
-    // Only the newest message's requests are still meant: they are repeated until they are met.
-    if (!peer.arrived.empty())
-      for (BodyId body : peer.arrived.back().pulls) requested.try_emplace(body, id);
-    peer.arrived.clear();
+    for (BodyId body : peer.pulls) requested.try_emplace(body, id);
+    peer.pulls.clear();
     for (const auto& [body, aura] : peer.theirs) all.try_emplace(body, aura);
   }
   remote_.clear();

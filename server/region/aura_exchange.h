@@ -23,9 +23,10 @@ class AuraExchange {
   void link_up(RegionId peer);
   void link_down(RegionId peer);
 
-  /// Checks and queues a FrameType::auras payload; nothing of a bad one is taken.
+  /// Checks a FrameType::auras payload and remembers what it says until take_in(), in room that does
+  /// not grow with the number of messages; nothing of a bad one is taken.
   Status receive(RegionId from, std::span<const std::byte> payload);
-  /// Takes in what has arrived. Returns what others asked us to hand over, ascending by body.
+  /// From now on what has arrived counts. Returns what others asked us to hand over, ascending by body.
   std::vector<HandoverRequest> take_in();
   /// What others project to us now, ascending by body; one entry a body: of two servers that both
   /// claim it the lower number's.
@@ -58,7 +59,7 @@ class AuraExchange {
     bool up = false;
     std::map<BodyId, Sent> projected;      ///< What the peer knows of us.
     std::map<BodyId, RemoteAura> theirs;   ///< What we know of the peer.
-    std::vector<Told> arrived;
+    std::vector<BodyId> pulls;             ///< Of the newest message, until take_in().
     SharedBytes frame;
   };
   std::map<RegionId, Peer> peers_;

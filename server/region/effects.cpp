@@ -28,7 +28,7 @@ Bytes encode_effects(const EffectsMessage& message) {
 Result<EffectsMessage> decode_effects(std::span<const std::byte> payload) {
   const auto* message = verified<wire::Effects>(payload);
   if (message == nullptr) return Error{"an effects message is not valid"};
-  constexpr std::size_t most = 4096;
+  constexpr std::size_t most = EffectsMessage::max_of_a_kind;
   EffectsMessage effects;
   if (message->blasts() != nullptr) {
     if (message->blasts()->size() > most) return Error{"more than 4096 blasts in one message"};
@@ -46,7 +46,9 @@ Result<EffectsMessage> decode_effects(std::span<const std::byte> payload) {
   if (message->removals() != nullptr) {
     if (message->removals()->size() > most) return Error{"more than 4096 removals in one message"};
     for (std::uint64_t id : *message->removals()) {
-      if (!BodyId{id}.valid()) return Error{"the removal of a body that cannot be"};
+      // Whoever hosts an avatar decides itself when it goes; the world's own bodies never do.
+      if (BodyId{id}.kind() != BodyId::Kind::thrown)
+        return Error{"the removal of a body that nobody has thrown"};
       effects.removals.push_back(BodyId{id});
     }
   }

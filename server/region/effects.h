@@ -33,6 +33,8 @@ struct EffectsMessage {
   std::vector<BlastEffect> blasts;
   std::vector<BodyId> removals;
   std::vector<BodyRequest> requests;
+  /// Of each kind in one message at most; see RegionCore::send_player_output().
+  static constexpr std::size_t max_of_a_kind = 4096;
   bool empty() const { return blasts.empty() && removals.empty() && requests.empty(); }
 };
 

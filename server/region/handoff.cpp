@@ -11,6 +11,16 @@
 namespace aureole {
 namespace {
 
+/// Ticks on the wire are at most this far from 0, so that differences of ticks never overflow.
+constexpr std::int64_t tick_limit = std::int64_t{1} << 40;
+/// The contacts of a message take at most so many bytes; together with max_handoff_bodies bodies they
+/// fit a frame.
+constexpr std::size_t contacts_bytes_max = 5u << 20;
+/// Heavier blows than between the heaviest and fastest bodies of any world are made up (N s).
+constexpr float impulse_max = 1e10f;
+
+bool is_tick(std::int64_t tick) { return tick >= -tick_limit && tick <= tick_limit; }
+
 wire::Vec3 to_wire(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
 Eigen::Vector3f from_wire(const wire::Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -41,6 +51,8 @@ Result<PlayerCommand> from_wire(const wire::Command& c) {
       std::abs(c.pitch()) > 1.6f)
     return Error{"a command's view angles are out of range"};
   if (c.item() > 3) return Error::format("a command names item {}; expected 0 to 3", c.item());
+  if (c.session() > session_max)
+    return Error::format("a command of session {}; expected at most {}", c.session(), session_max);
   const BodyId target{c.target()};
   if (target != BodyId{} && !target.valid()) return Error{"a command names a body that cannot be"};
   return PlayerCommand{PlayerId{c.player()}, c.session(), c.sequence(),
@@ -78,9 +90,10 @@ Result<HandoffGroup::Body> from_wire(const wire::HandoffBody& b, std::size_t pro
                   from_wire(b.angular_velocity()),
                   static_cast<Activation>(b.activation()),
                   b.deactivation_time_s()};
-  if (!is_sane(state))
-    return Error::format("handoff of body {:#x} with numbers that are not finite or no rotation",
-                         b.id());
+  if (!may_travel(state))
+    return Error::format(
+        "handoff of body {:#x} with numbers that are not finite, out of range or no rotation",
+        b.id());
   return HandoffGroup::Body{{id, PrototypeId{b.prototype()}, state}, b.epoch()};
 }
 
@@ -132,6 +145,8 @@ Result<ContactManifold> from_wire(const wire::HandoffManifold& m, const HandoffG
     if (!point) return point.error();
     manifold.points.push_back(*point);
   }
+  if (!may_travel(manifold))
+    return Error{"a contact in a handoff has no direction, or an impulse that cannot be"};
   return manifold;
 }
 
@@ -140,6 +155,10 @@ Result<Avatar> from_wire(const wire::HandoffPlayer& p) {
   if (!std::isfinite(p.yaw()) || !std::isfinite(p.pitch()) ||
       !(p.carried_distance_m() >= 0 && p.carried_distance_m() < 100))
     return Error{"a player in a handoff has numbers out of range"};
+  if (p.session() > session_max || !is_tick(p.lost_since_tick()))
+    return Error{"a player in a handoff has a session or a tick that cannot be"};
+  if (BodyId{p.carried()}.kind() == BodyId::Kind::avatar)
+    return Error{"a player in a handoff carries an avatar"};
   Avatar avatar;
   avatar.player = PlayerId{p.player()};
   avatar.session = p.session();
@@ -167,6 +186,21 @@ Result<Avatar> from_wire(const wire::HandoffPlayer& p) {
 
 }  // namespace
 
+bool may_travel(const BodyState& state) {
+  return is_sane(state) && state.position.vector().cwiseAbs().maxCoeff() <= travel_distance_max_m &&
+         state.linear_velocity.cwiseAbs().maxCoeff() <= travel_speed_max &&
+         state.angular_velocity.cwiseAbs().maxCoeff() <= travel_speed_max;
+}
+
+bool may_travel(const ContactManifold& manifold) {
+  const auto is_possible = [](const ContactPoint& p) {
+    return p.impulse <= impulse_max && std::abs(p.impulse_lateral_1) <= impulse_max &&
+           std::abs(p.impulse_lateral_2) <= impulse_max && p.lateral_1.norm() <= 1.01f &&
+           p.lateral_2.norm() <= 1.01f;
+  };
+  return is_sane(manifold) && std::all_of(manifold.points.begin(), manifold.points.end(), is_possible);
+}
+
 Bytes encode_handoff(const HandoffGroup& group) {
   AUREOLE_CHECK(group.bodies.size() <= max_handoff_bodies, "larger groups are cut by their sender");
   flatbuffers::FlatBufferBuilder builder(1024 + group.bodies.size() * 256);
@@ -178,6 +212,8 @@ Bytes encode_handoff(const HandoffGroup& group) {
   manifolds.reserve(group.contacts.size());
   std::vector<wire::HandoffPoint> points;
   for (const auto& m : group.contacts) {
+    // What does not fit a frame is found anew by collision detection, only less gently.
+    if (builder.GetSize() > contacts_bytes_max) break;
     points.clear();
     for (const auto& p : m.points) points.push_back(to_wire(p));
     const auto* body = std::get_if<BodyId>(&m.b);
@@ -209,6 +245,10 @@ Result<HandoffGroup> decode_handoff(std::span<const std::byte> payload, std::siz
   if (message->bodies() == nullptr || message->bodies()->size() == 0 ||
       message->bodies()->size() > max_handoff_bodies)
     return Error::format("a handoff must carry 1 to {} bodies", max_handoff_bodies);
+
+  if (!is_tick(message->tick()))
+    return Error::format("a handoff of tick {}; expected at most {} from 0", message->tick(),
+                         tick_limit);
 
   HandoffGroup group;
   group.tick = Tick{message->tick()};
@@ -252,7 +292,8 @@ Result<std::vector<PlayerCommand>> decode_commands(std::span<const std::byte> pa
   const auto* message = verified<wire::Commands>(payload);
   if (message == nullptr || message->commands() == nullptr)
     return Error{"a commands message is not valid"};
-  if (message->commands()->size() > 4096) return Error{"more than 4096 commands in one message"};
+  if (message->commands()->size() > max_commands)
+    return Error::format("more than {} commands in one message", max_commands);
   std::vector<PlayerCommand> commands;
   for (const auto* c : *message->commands()) {
     auto command = from_wire(*c);

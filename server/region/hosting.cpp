@@ -2,6 +2,7 @@
 #include "server/region/hosting.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "server/base/check.h"
 #include "server/base/hash.h"
@@ -37,13 +38,13 @@ Hosting::Hosting(const WorldDefinition& world, RegionId self, Incarnation incarn
 }
 
 void Hosting::spawn(std::span<const NewBody> bodies, std::uint32_t epoch) {
-  if (bodies.empty()) return;
-  physics_.add(bodies);
-  for (const NewBody& body : bodies) {
-    records_.emplace(body.id, Record{epoch, never_changed});
-    publisher_.body_gained(body.id, version(body.id));
-  }
-  counts_.spawned += bodies.size();
+  std::vector<NewBody> born;
+  for (const NewBody& body : bodies)
+    // Another region may have handed a body of this name over: what was first stays.
+    if (records_.emplace(body.id, Record{epoch, never_changed}).second) born.push_back(body);
+  physics_.add(born);
+  for (const NewBody& body : born) publisher_.body_gained(body.id, version(body.id));
+  counts_.spawned += born.size();
 }
 
 void Hosting::remove(std::span<const BodyId> ids) {
@@ -60,6 +61,7 @@ HandoffGroup Hosting::release(std::span<const BodyId> ids, Tick now) {
   HandoffGroup group;
   group.tick = now;
   group.contacts = physics_.contacts_within(ids);
+  std::erase_if(group.contacts, [](const auto& manifold) { return !may_travel(manifold); });
   for (BodyId id : ids)
     group.bodies.push_back({{id, physics_.prototype(id), physics_.state(id)}, epoch(id)});
   std::sort(group.bodies.begin(), group.bodies.end(),
@@ -87,7 +89,8 @@ std::vector<BodyId> Hosting::accept(const HandoffGroup& group, Tick now) {
     }
     taken.push_back(arriving.body);
     ids.push_back(id);
-    records_.emplace(id, Record{arriving.epoch + 1, now});
+    const bool last = arriving.epoch == std::numeric_limits<std::uint32_t>::max();
+    records_.emplace(id, Record{last ? arriving.epoch : arriving.epoch + 1, now});
   }
   physics_.add(taken);
   for (BodyId id : ids) publisher_.body_gained(id, version(id));

@@ -34,7 +34,7 @@ class Hosting {
   Tick changed_owner(BodyId id) const { return records_.at(id).changed_owner; }
   Version version(BodyId id) const { return {epoch(id), incarnation_, self_}; }
 
-  /// Bodies that come into the world here. A name that is used again (a player who left comes back)
+  /// Bodies that come into the world here; those that are here already are left out. A name that is used again (a player who left comes back)
   /// starts in a later epoch than it ended, or stores would take the newcomer for the one that is
   /// gone.
   void spawn(std::span<const NewBody> bodies, std::uint32_t epoch = 1);

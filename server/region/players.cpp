@@ -5,6 +5,12 @@
 #include <cmath>
 
 namespace aureole {
+namespace {
+
+/// Long and light things are held in their middle rather than refused by the next region.
+constexpr float carried_distance_max_m = 50;
+
+}  // namespace
 
 Players::Players(const WorldDefinition& world, const PartitionMap& map, RegionId self,
                  Hosting& hosting)
@@ -57,7 +63,8 @@ void Players::command(const PlayerCommand& command, Tick now, bool room, PlayerO
     return;
   }
   if (command.session != avatar.session || command.sequence <= avatar.applied_sequence) return;
-  if (avatar.waiting.size() < Avatar::max_waiting)
+  // Those from too far ahead would take the places of those whose turn comes first.
+  if (command.sequence - avatar.applied_sequence <= Avatar::max_waiting)
     avatar.waiting.emplace(command.sequence, command);
   apply_waiting(command.player, now, room, out);
 }
@@ -165,7 +172,8 @@ bool Players::attach(Avatar& avatar, BodyId body) {
   const double away = distance(eye(avatar), physics.position(body));
   if (away > tuning_.carry_reach_m) return false;
   avatar.carried = body;
-  avatar.carried_distance_m = std::max(1.4f, 1.1f + bounding_radius(definition.shape));
+  avatar.carried_distance_m =
+      std::clamp(1.1f + bounding_radius(definition.shape), 1.4f, carried_distance_max_m);
   return true;
 }
 

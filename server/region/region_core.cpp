@@ -16,6 +16,8 @@ PartitionMap partition_of(const WorldDefinition& world) {
 
 /// Messages of one kind that wait for the next step; far more than honest peers send in one.
 constexpr std::size_t queue_max = 65'536;
+/// The same for whole messages. They come again from the journal.
+constexpr std::size_t waiting_max = 4096;
 
 }  // namespace
 
@@ -94,6 +96,7 @@ Status RegionCore::receive(PeerId from, const Frame& frame) {
       auto group =
           decode_handoff(frame.payload, hosting_.definitions().size(), hosting_.statics().size());
       if (!group) return group.error();
+      if (arrived_groups_.size() >= waiting_max) return Error{"too many handoffs at once"};
       auto arrival = peer.journal.arrive(frame.sequence);
       if (!arrival) return arrival.error();
       if (*arrival == Journal::Arrival::fresh)
@@ -103,6 +106,7 @@ Status RegionCore::receive(PeerId from, const Frame& frame) {
     case FrameType::effects: {
       auto effects = decode_effects(frame.payload);
       if (!effects) return effects.error();
+      if (arrived_effects_.size() >= waiting_max) return Error{"too many effects at once"};
       auto arrival = peer.journal.arrive(frame.sequence);
       if (!arrival) return arrival.error();
       if (*arrival == Journal::Arrival::fresh)

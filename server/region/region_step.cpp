@@ -15,6 +15,19 @@ namespace {
 constexpr std::int64_t remember_blasts_ticks = 128;
 /// A removal waits this long for a body that may be in flight.
 constexpr std::int64_t remember_removals_ticks = 128;
+/// Blasts are planned ahead by the aura tolerances, at most 30 s in any world file; what claims to
+/// come later would only pile up.
+constexpr std::int64_t blast_ahead_ticks_max = 2048;
+/// Effects and commands that may wait for a region that is away. Whoever is away for so long has
+/// more to catch up with than blasts; handoffs are not sent to it in the first place.
+constexpr std::size_t waiting_messages_max = 4096;
+
+/// The n-th piece of `size` elements, empty past the end.
+template <class T>
+std::span<const T> piece(const std::vector<T>& all, std::size_t n, std::size_t size) {
+  const std::size_t from = std::min(n * size, all.size());
+  return std::span(all).subspan(from, std::min(size, all.size() - from));
+}
 
 }  // namespace
 
@@ -52,8 +65,10 @@ void RegionCore::take_in_groups(Tick now) {
     const std::int64_t behind = present - group.tick;
     const std::int64_t steps = std::clamp<std::int64_t>(behind, 0, catch_up_ticks_max);
     const std::int64_t work = steps * static_cast<std::int64_t>(group.bodies.size());
-    // From our future: waits. Too much for this step: waits too, unless nothing else has been done.
-    if (behind < 0 || (work > budget && budget < catch_up_budget)) {
+    // From our future: waits, unless it is so far ahead that the sender's clock must be wrong. Too
+    // much for this step: waits too, unless nothing else has been done.
+    const bool early = behind < 0 && behind >= -catch_up_ticks_max;
+    if (early || (work > budget && budget < catch_up_budget)) {
       waiting.push_back(std::move(arrived));
       continue;
     }
@@ -106,6 +121,7 @@ void RegionCore::schedule_blast(const BlastEffect& blast, Tick now) {
     ++extra_.late_effects;
     timely.tick = now;
   }
+  timely.tick = std::min(timely.tick, now + blast_ahead_ticks_max);
   const auto at = std::upper_bound(
       blasts_.begin(), blasts_.end(), timely, [](const BlastEffect& a, const BlastEffect& b) {
         return std::pair(a.tick, a.id) < std::pair(b.tick, b.id);
@@ -166,10 +182,12 @@ void RegionCore::remove_strays(Tick) {
   const Box3& bounds = world_.bounds;
   for (BodyId id : hosting_.physics().ids()) {
     if (hosting_.physics().is_asleep(id)) continue;
-    const Eigen::Vector3d p = hosting_.physics().position(id).vector();
-    // Written so that a position that is not a number counts as outside.
-    const bool inside =
-        (p.array() >= bounds.min.array()).all() && (p.array() <= bounds.max.array()).all();
+    const BodyState state = hosting_.physics().state(id);
+    const Eigen::Vector3d p = state.position.vector();
+    // Written so that a position that is not a number counts as outside. No other server would take
+    // a state whose numbers have burst.
+    const bool inside = (p.array() >= bounds.min.array()).all() &&
+                        (p.array() <= bounds.max.array()).all() && may_travel(state);
     if (inside) continue;
     if (id.kind() == BodyId::Kind::avatar && players_.is_avatar_here(id.player()))
       fallen.push_back(id.player());
@@ -235,13 +253,29 @@ void RegionCore::emigrate(std::span<const BodyId> bodies, RegionId to, Tick now)
 }
 
 void RegionCore::send_player_output() {
-  if (!player_output_.effects.empty()) {
-    const Bytes payload = encode_effects(player_output_.effects);
+  const auto has_place = [](const Peer& peer) {
+    return peer.up || peer.journal.unacknowledged().size() < waiting_messages_max;
+  };
+  // Cut as receivers want it: a message that they refuse would be sent again for ever.
+  const EffectsMessage& all = player_output_.effects;
+  constexpr std::size_t most = EffectsMessage::max_of_a_kind;
+  for (std::size_t n = 0;; ++n) {
+    const auto blasts = piece(all.blasts, n, most);
+    const auto removals = piece(all.removals, n, most);
+    const auto requests = piece(all.requests, n, most);
+    const EffectsMessage part{{blasts.begin(), blasts.end()},
+                              {removals.begin(), removals.end()},
+                              {requests.begin(), requests.end()}};
+    if (part.empty()) break;
+    const Bytes payload = encode_effects(part);
     for (auto& [id, peer] : peers_)
-      if (id.is_region()) peer.journal.append(FrameType::effects, payload);
+      if (id.is_region() && has_place(peer)) peer.journal.append(FrameType::effects, payload);
   }
-  for (const auto& [to, commands] : player_output_.forwarded)
-    peers_.at(PeerId::region(to)).journal.append(FrameType::commands, encode_commands(commands));
+  for (const auto& [to, commands] : player_output_.forwarded) {
+    Peer& peer = peers_.at(PeerId::region(to));
+    for (std::size_t n = 0; n * max_commands < commands.size() && has_place(peer); ++n)
+      peer.journal.append(FrameType::commands, encode_commands(piece(commands, n, max_commands)));
+  }
   player_output_ = {};
 }
 

@@ -91,7 +91,10 @@ SharedBytes ReplicaPublisher::update(Tick now, const PhysicsWorld& world,
     const auto orientation = quantise(state.orientation);
     const bool moved = position != published.position || orientation != published.orientation;
     const bool turn = !asleep && (now.value + published.slot) % key_interval_ticks == 0;
-    if (published.key_due || asleep != published.asleep || turn) {
+    const bool needs_key = published.key_due || asleep != published.asleep || turn;
+    // More would not fit a frame together with everybody's motion; the rest comes a tick later.
+    if (needs_key && keys.size() >= keys_per_update) continue;
+    if (needs_key) {
       keys.push_back(make_key({id, world.prototype(id), state}, published.version, published.slot));
     } else if (moved) {
       flatbuffers::span<const std::uint8_t, 9> p(position.data(), 9);

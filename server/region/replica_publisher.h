@@ -36,6 +36,8 @@ class ReplicaPublisher {
   /// from; staggered by slot.
   static constexpr std::int64_t key_interval_ticks = 64;
   static constexpr std::size_t keys_per_frame = 4096;
+  /// 104 bytes each; the motions of a whole world and its removals still fit beside them.
+  static constexpr std::size_t keys_per_update = 32'768;
 
   void body_gained(BodyId id, Version version);
   void body_lost(BodyId id);

@@ -84,6 +84,9 @@ Status check_removed(const wire::ReplicaRemoved& removed, RegionId from) {
 
 Status check_player(const wire::PlayerStatus& player) {
   if (player.player() == 0) return Error{"status of player 0; expected a number from 1"};
+  if (player.session() > session_max)
+    return Error::format("player {} in session {}; expected at most {}", player.player(),
+                         player.session(), session_max);
   if (player.carried() != 0 && !BodyId{player.carried()}.valid())
     return Error::format("player {} carries {:#x}, which is not a name of any body",
                          player.player(), player.carried());

@@ -1,9 +1,47 @@
 // Bodies that change their server: none lost, none doubled, nothing felt.
+#include <optional>
+
 #include "tests/support/catch.h"
 #include "tests/support/region_cluster.h"
 
 using namespace aureole;
 using namespace aureole::testing;
+
+namespace {
+
+/// A region whose neighbour says what the tests put into its mouth.
+struct Besieged {
+  WorldDefinition world = flat_world(2);
+  std::optional<RegionCore> core;
+  std::uint64_t sequence = 0;
+  Tick now;
+
+  void start() {
+    core.emplace(world, RegionId{0}, Incarnation{1});
+    core->peer_up(PeerId{1}, Incarnation{1});
+    core->peer_up(PeerId::gateway(0), Incarnation{1});
+  }
+  Status hear(FrameType type, Bytes payload) {
+    return core->receive(PeerId{1}, Frame{type, ++sequence, std::move(payload)});
+  }
+  Status hand_over(BodyId id, PrototypeId prototype, const BodyState& state, Tick tick) {
+    HandoffGroup group;
+    group.tick = tick;
+    group.bodies.push_back({{id, prototype, state}, 1});
+    return hear(FrameType::handoff, encode_handoff(group));
+  }
+  void step(int ticks = 1) {
+    for (int i = 0; i < ticks; ++i) core->step(now = now + 1);
+  }
+};
+
+BodyState at(WorldPosition position) {
+  BodyState state;
+  state.position = position;
+  return state;
+}
+
+}  // namespace
 
 TEST_CASE("a ball that rolls across a boundary is handed over once and keeps its speed") {
   auto world = flat_world(2);
@@ -189,4 +227,119 @@ TEST_CASE("injectors make each body exactly once over all regions, up to the wor
   REQUIRE(refused + full.bodies_in_world() == 200);
   // Counts travel every 16 ticks: the cap may be passed by what is made in between.
   REQUIRE(full.bodies_in_world() <= 90 + 16 * 2 * 3);
+}
+
+TEST_CASE("a body that is handed over though it is hosted here does not stop the region") {
+  Besieged region;
+  const BodyId ours = put(region.world, ball, {10, 3, 0});
+  region.start();
+  region.step(5);
+  // Late, so that it is caught up beside the one that is here.
+  REQUIRE(region.hand_over(ours, ball, at({10, 3, 0}), region.now - 3));
+  region.step(5);
+  REQUIRE(region.core->physics().size() == 1);
+  REQUIRE(region.core->statistics().version_conflicts == 1);
+}
+
+TEST_CASE("a body of ours that is handed over before the first step is not made again") {
+  Besieged region;
+  const BodyId ours = put(region.world, ball, {10, 3, 0});
+  region.start();
+  REQUIRE(region.hand_over(ours, ball, at({20, 3, 0}), Tick{0}));
+  region.step(3);
+  REQUIRE(region.core->physics().size() == 1);
+}
+
+TEST_CASE("an avatar's body that comes without its player is taken over by the player who joins") {
+  Besieged region;
+  region.start();
+  region.step();
+  const PlayerId player{7};
+  REQUIRE(region.hand_over(BodyId::avatar(player), avatar_prototype, at({10, 0.95, 0}), region.now));
+  region.step();
+  PlayerCommand join;
+  join.player = player;
+  join.session = join.sequence = 1;
+  join.kind = PlayerCommand::Kind::join;
+  const Bytes payload = encode_commands(std::span(&join, 1));
+  REQUIRE(region.core->receive(PeerId::gateway(0), Frame{FrameType::commands, 0, payload}));
+  region.step(5);
+  REQUIRE(region.core->physics().size() == 1);
+}
+
+TEST_CASE("a group that claims to be from far ahead is taken as it is rather than kept for ever") {
+  Besieged region;
+  region.start();
+  region.step();
+  REQUIRE(region.hand_over(BodyId::world(90), ball, at({10, 3, 0}), region.now + 1'000'000));
+  region.step(2);
+  REQUIRE(region.core->physics().size() == 1);
+}
+
+TEST_CASE("a contact that would throw bodies out of all numbers is left behind on their way") {
+  Besieged region;
+  region.start();
+  region.step(10);
+  HandoffGroup group;
+  group.tick = region.now - 5;
+  for (std::uint32_t i = 0; i < 2; ++i)
+    group.bodies.push_back({{BodyId::world(90 + i), box, at({10, 0.5 + i, 0})}, 1});
+  ContactManifold manifold{BodyId::world(90), BodyId::world(91), 0, {}};
+  ContactPoint point;
+  point.local_on_a = {0, 0.5f, 0};
+  point.local_on_b = {0, -0.5f, 0};
+  point.normal_on_b = {0, -1, 0};
+  point.impulse = 1e10f;  // The strongest that is not refused at once.
+  manifold.points.assign(4, point);
+  group.contacts.push_back(manifold);
+  REQUIRE(region.hear(FrameType::handoff, encode_handoff(group)));
+  region.step(20);
+  REQUIRE(region.core->physics().size() == 2);
+}
+
+TEST_CASE("more effects than fit one message are told in several that the other side takes") {
+  Besieged region;
+  region.world.max_thrown_per_player = 10'000;
+  region.start();
+  region.step();
+  HandoffGroup group;
+  group.tick = region.now;
+  group.bodies.push_back(
+      {{BodyId::avatar(PlayerId{7}), avatar_prototype, at({10, 0.95, 0})}, 1});
+  group.avatars.emplace_back().player = PlayerId{7};
+  group.avatars[0].thrown = 9'000;  // Throwing nine thousand things here would take long.
+  REQUIRE(region.hear(FrameType::handoff, encode_handoff(group)));
+  region.step();
+  PlayerCommand leave;
+  leave.player = PlayerId{7};
+  leave.sequence = 1;
+  leave.kind = PlayerCommand::Kind::leave;
+  const Bytes payload = encode_commands(std::span(&leave, 1));
+  REQUIRE(region.core->receive(PeerId::gateway(0), Frame{FrameType::commands, 0, payload}));
+  region.step();
+  std::size_t removals = 0;
+  for (const auto& entry : region.core->journal(RegionId{1}).unacknowledged()) {
+    const auto effects = decode_effects(entry.payload);
+    REQUIRE(effects);
+    removals += effects->removals.size();
+  }
+  REQUIRE(removals == 9'000);
+}
+
+TEST_CASE("effects for a region that is away for long do not pile up without end") {
+  Besieged region;
+  region.start();
+  region.core->peer_down(PeerId{1});
+  PlayerCommand command;
+  command.player = PlayerId{7};
+  command.session = 1;
+  command.kind = PlayerCommand::Kind::join;
+  for (int i = 0; i < 6000; ++i) {
+    ++command.sequence;
+    const Bytes payload = encode_commands(std::span(&command, 1));
+    REQUIRE(region.core->receive(PeerId::gateway(0), Frame{FrameType::commands, 0, payload}));
+    region.step();
+    command.kind = PlayerCommand::Kind::blast;
+  }
+  REQUIRE(region.core->journal(RegionId{1}).unacknowledged().size() <= 4096);
 }

@@ -1,5 +1,6 @@
 // Handoffs and commands as bytes: exact when they are honest, refused when they are not.
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <random>
 
@@ -114,6 +115,16 @@ TEST_CASE("a handoff with anything wrong in it is refused with a sentence") {
   REQUIRE_FALSE(refusal([](auto& g) { g.contacts[0].points[0].child_a = 1000; }).empty());
   REQUIRE_FALSE(refusal([](auto& g) { g.avatars[0].player = PlayerId{6}; }).empty());
   REQUIRE_FALSE(refusal([&](auto& g) { g.avatars[0].yaw = nan; }).empty());
+  REQUIRE_FALSE(refusal([](auto& g) { g.tick = Tick{INT64_MIN}; }).empty());
+  REQUIRE_FALSE(refusal([](auto& g) { g.bodies[1].body.state.position.x = 1e300; }).empty());
+  REQUIRE_FALSE(refusal([](auto& g) { g.bodies[1].body.state.linear_velocity.x() = 3e38f; }).empty());
+  REQUIRE_FALSE(refusal([](auto& g) { g.bodies[1].body.state.angular_velocity.x() = 3e38f; }).empty());
+  REQUIRE_FALSE(refusal([](auto& g) { g.contacts[0].points[0].impulse = 3e38f; }).empty());
+  REQUIRE_FALSE(refusal([](auto& g) { g.contacts[0].points[0].normal_on_b *= 2; }).empty());
+  REQUIRE_FALSE(refusal([](auto& g) { g.contacts[0].points[1].lateral_2 = {9, 0, 0}; }).empty());
+  REQUIRE_FALSE(refusal([](auto& g) { g.avatars[0].carried = g.avatars[0].body(); }).empty());
+  REQUIRE_FALSE(refusal([](auto& g) { g.avatars[0].lost_since = Tick{INT64_MIN}; }).empty());
+  REQUIRE_FALSE(refusal([](auto& g) { g.avatars[0].session = UINT32_MAX; }).empty());
 }
 
 TEST_CASE("no cut or flipped byte of a handoff does more than be refused") {
@@ -145,6 +156,9 @@ TEST_CASE("commands and effects come back as they were, and are refused when the
   command.yaw = std::numeric_limits<float>::infinity();
   REQUIRE_FALSE(decode_commands(encode_commands(std::span(&command, 1))));
   command.yaw = 0;
+  command.session = UINT32_MAX;
+  REQUIRE_FALSE(decode_commands(encode_commands(std::span(&command, 1))));
+  command.session = 3;
   command.player = PlayerId{};
   REQUIRE_FALSE(decode_commands(encode_commands(std::span(&command, 1))));
 
@@ -157,6 +171,23 @@ TEST_CASE("commands and effects come back as they were, and are refused when the
   REQUIRE(same->blasts[0].radius_m == 9);
   REQUIRE(same->removals == effects.removals);
   REQUIRE(same->requests[0].body == BodyId::world(3));
+  // Only its host may take an avatar out of the world.
+  effects.removals.push_back(BodyId::avatar(PlayerId{1}));
+  REQUIRE_FALSE(decode_effects(encode_effects(effects)));
+  effects.removals.pop_back();
   effects.blasts[0].radius_m = -1;
   REQUIRE_FALSE(decode_effects(encode_effects(effects)));
+}
+
+TEST_CASE("a group with more contacts than fit a frame travels with those that fit") {
+  HandoffGroup group = sample_group();
+  group.contacts[0].points.resize(4, group.contacts[0].points[0]);
+  group.contacts.assign(40'000, group.contacts[0]);
+  const Bytes payload = encode_handoff(group);
+  REQUIRE(payload.size() <= max_payload_bytes);
+  const auto back = decode_handoff(payload, 4, 4);
+  REQUIRE(back);
+  REQUIRE(back->bodies.size() == 4);
+  REQUIRE(back->contacts.size() > 1000);
+  REQUIRE(back->contacts.size() < 40'000);
 }
