@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 
+#include "protocol/wire.h"
 #include "server/net/handshake.h"
 #include "server/net/peer_links.h"
 #include "tests/support/catch.h"
@@ -22,7 +23,7 @@ constexpr std::uint64_t world_hash = 99;
 struct Server {
   WorldClock clock;
   std::vector<PeerId> up, down;
-  std::vector<std::string> refusals;
+  std::vector<std::string> down_reasons, refusals;
   std::vector<Frame> frames;
   std::optional<PeerHello> hello;
   Status answer = Ok{};
@@ -42,7 +43,10 @@ struct Server {
         io, std::move(options), clock,
         PeerLinks::Events{
             [this](PeerId p, const PeerHello& h) { up.push_back(p); hello = h; },
-            [this](PeerId p, const std::string&) { down.push_back(p); },
+            [this](PeerId p, const std::string& why) {
+              down.push_back(p);
+              down_reasons.push_back(why);
+            },
             [this](PeerId, Frame f) { frames.push_back(std::move(f)); return answer; },
             [] { return true; },
             [this](PeerId, const std::string& why) { refusals.push_back(why); },
@@ -132,8 +136,45 @@ TEST_CASE("who dials the wrong server is told so") {
   boost::asio::io_context io;
   Server a(io, PeerId{0});
   Server b(io, PeerId{2}, {at(PeerId{1}, a.port)});
-  io.run_for(300ms);
+  // The one that was dialled takes it for a link, until it hears the refusal.
+  REQUIRE(run_until(io, [&] { return !a.down.empty(); }));
+  REQUIRE(a.down_reasons[0].find("region r0 answered where region r1 was expected") !=
+          std::string::npos);
   REQUIRE(b.up.empty());
+}
+
+TEST_CASE("a server of another protocol version is refused, and told to run the same release") {
+  boost::asio::io_context io;
+  Server a(io, PeerId{0});
+  flatbuffers::FlatBufferBuilder builder;
+  const auto hello = wire::CreateHello(builder, protocol_version + 1, world_hash,
+                                       wire::Role::region, 1, 1, 0, false);
+  const auto answer =
+      decode_frame(talk_raw(io, a.port, finish_frame(builder, hello, FrameType::hello)));
+  REQUIRE(answer);
+  REQUIRE(answer->type == FrameType::refusal);
+  REQUIRE(read_refusal(*answer).find("run the same release everywhere") != std::string::npos);
+  REQUIRE(a.up.empty());
+}
+
+TEST_CASE("a server that is not there is dialled less and less often") {
+  boost::asio::io_context io;
+  tcp::acceptor deaf(io, {boost::asio::ip::address_v4::loopback(), 0});
+  std::vector<std::chrono::steady_clock::time_point> calls;
+  std::function<void()> hang_up = [&] {
+    deaf.async_accept([&](const boost::system::error_code& ec, tcp::socket) {
+      if (ec) return;
+      calls.push_back(std::chrono::steady_clock::now());
+      hang_up();
+    });
+  };
+  hang_up();
+  Server b(io, PeerId{1}, {at(PeerId{0}, deaf.local_endpoint().port())});
+  REQUIRE(run_until(io, [&] { return calls.size() >= 6; }));
+  // Pauses double from 50 ms with up to half of each left to chance: the fifth takes at least 400
+  // ms, and a slow machine only makes it longer.
+  REQUIRE(calls[5] - calls[4] >= 399ms);
+  REQUIRE(calls[4] - calls[3] >= 199ms);
 }
 
 TEST_CASE("a link is made anew when the other side comes back, and the new start is told apart") {
