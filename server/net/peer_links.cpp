@@ -71,6 +71,7 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
     PeerAddress address;
     tcp::resolver resolver;
     boost::asio::steady_timer timer;
+    std::shared_ptr<tcp::socket> connecting;  ///< Closed by stop(): a try may last for minutes.
     std::chrono::milliseconds pause = dial_pause_min;
     std::string last_failure;  ///< Said once, not at each try.
     Dialler(boost::asio::io_context& io, PeerAddress at)
@@ -102,6 +103,10 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
         accept_timer(context),
         measure_timer(context) {}
 
+  bool dials(PeerId peer) const {
+    return std::any_of(diallers.begin(), diallers.end(),
+                       [&](const DiallerPtr& d) { return d->address.peer == peer; });
+  }
   bool running() const { return events.running && events.running(); }
   Incarnation met_before(PeerId peer) const {
     const auto it = met.find(peer);
@@ -139,8 +144,10 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
           if (self->stopped) return;
           if (ec) return self->dial_later(dialler, ec.message());
           auto socket = std::make_shared<tcp::socket>(self->io);
+          dialler->connecting = socket;
           boost::asio::async_connect(
               *socket, found, [self, dialler, socket](const error_code& e, const tcp::endpoint&) {
+                dialler->connecting.reset();
                 if (self->stopped) return;
                 if (e) return self->dial_later(dialler, e.message());
                 self->introduce(
@@ -217,6 +224,10 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
     if (introduction && dialler && introduction->peer != dialler->address.peer)
       introduction = Error::format("{} answered where {} was expected: check the addresses",
                                    describe(introduction->peer), describe(dialler->address.peer));
+    // Else a stranger under that name would take the place of the link that we keep up.
+    if (introduction && !dialler && dials(introduction->peer))
+      introduction = Error::format("{} is dialled from here and does not dial",
+                                   describe(introduction->peer));
     if (introduction && introduction->hello.incarnation < met_before(introduction->peer))
       introduction = Error::format("a newer start of {} is known", describe(introduction->peer));
     if (!introduction) {
@@ -294,7 +305,7 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
         const auto* reply = verified<wire::TimeReply>(frame.payload);
         if (reply == nullptr) return Error{"a time reply is not a valid message"};
         const std::int64_t heard = monotonic_us();
-        if (reply->sent_us() > heard || heard - reply->sent_us() > 60'000'000)
+        if (reply->sent_us() > heard || reply->sent_us() < heard - 60'000'000)
           return Error{"a time reply to a question that was not asked"};
         auto& trips = peers.at(peer).round_trips_us;
         trips.push_back(heard - reply->sent_us());
@@ -350,6 +361,7 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
     for (const auto& dialler : diallers) {
       dialler->resolver.cancel();
       dialler->timer.cancel();
+      if (dialler->connecting) dialler->connecting->close(ec);
     }
     for (const auto& [peer, established] : std::map(peers)) established.link->close("stopping");
     for (const auto& [raw, link] : std::map(strangers)) link->close("stopping");

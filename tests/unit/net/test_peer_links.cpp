@@ -42,12 +42,18 @@ struct Server {
     links = std::make_unique<PeerLinks>(
         io, std::move(options), clock,
         PeerLinks::Events{
-            [this](PeerId p, const PeerHello& h) { up.push_back(p); hello = h; },
+            [this](PeerId p, const PeerHello& h) {
+              up.push_back(p);
+              hello = h;
+            },
             [this](PeerId p, const std::string& why) {
               down.push_back(p);
               down_reasons.push_back(why);
             },
-            [this](PeerId, Frame f) { frames.push_back(std::move(f)); return answer; },
+            [this](PeerId, Frame f) {
+              frames.push_back(std::move(f));
+              return answer;
+            },
             [] { return true; },
             [this](PeerId, const std::string& why) { refusals.push_back(why); },
         });
@@ -65,7 +71,9 @@ bool run_until(boost::asio::io_context& io, const std::function<bool()>& done) {
   return done();
 }
 
-PeerAddress at(PeerId peer, std::uint16_t port) { return {peer, {"127.0.0.1", port}}; }
+PeerAddress at(PeerId peer, std::uint16_t port) {
+  return {peer, {"127.0.0.1", port}};
+}
 
 SharedBytes message(std::size_t size) {
   return std::make_shared<const Bytes>(
@@ -185,7 +193,8 @@ TEST_CASE("a link is made anew when the other side comes back, and the new start
   REQUIRE(run_until(io, [&] { return b.up.size() == 1; }));
   a.reset();
   REQUIRE(run_until(io, [&] { return b.down.size() == 1; }));
-  a = std::make_unique<Server>(io, PeerId{0}, std::vector<PeerAddress>{}, world_hash, 2, 64u << 20, port);
+  a = std::make_unique<Server>(io, PeerId{0}, std::vector<PeerAddress>{}, world_hash, 2, 64u << 20,
+                               port);
   REQUIRE(run_until(io, [&] { return b.up.size() == 2; }));
   REQUIRE(b.hello->incarnation == Incarnation{2});
   REQUIRE(a->hello->known_incarnation == Incarnation{1});
@@ -216,6 +225,39 @@ TEST_CASE("bytes that are no frames, and frames that are no hello, end only thei
   REQUIRE(read_refusal(*refusal).find("no hello") != std::string::npos);
   REQUIRE(a.down.empty());
   REQUIRE(b.links->is_linked(PeerId{0}));
+}
+
+TEST_CASE("a stranger under the name of a server that we dial does not take its place") {
+  boost::asio::io_context io;
+  Server a(io, PeerId{0});
+  Server b(io, PeerId{1}, {at(PeerId{0}, a.port)});
+  REQUIRE(run_until(io, [&] { return b.up.size() == 1; }));
+  PeerLinksOptions stranger;
+  stranger.self = PeerId{0};
+  stranger.incarnation = Incarnation{7};
+  stranger.world_hash = world_hash;
+  const auto answer = decode_frame(talk_raw(io, b.port, *make_hello(stranger, {}, false)));
+  REQUIRE(answer);
+  REQUIRE(answer->type == FrameType::refusal);
+  REQUIRE(b.down.empty());
+  REQUIRE(b.links->is_linked(PeerId{0}));
+}
+
+TEST_CASE("a time reply from before all time is refused") {
+  boost::asio::io_context io;
+  Server a(io, PeerId{0});
+  PeerLinksOptions self;
+  self.self = PeerId{1};
+  self.incarnation = Incarnation{1};
+  self.world_hash = world_hash;
+  flatbuffers::FlatBufferBuilder builder;
+  const Bytes reply = finish_frame(builder, wire::CreateTimeReply(builder, INT64_MIN, 5, true),
+                                   FrameType::time_reply);
+  Bytes both = *make_hello(self, {}, false);
+  both.insert(both.end(), reply.begin(), reply.end());
+  talk_raw(io, a.port, both);
+  REQUIRE(a.up.size() == 1);
+  REQUIRE(run_until(io, [&] { return a.down.size() == 1; }));
 }
 
 TEST_CASE("a peer that does not take its messages is cut off at the queue's bound") {
