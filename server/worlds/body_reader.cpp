@@ -12,6 +12,9 @@ const std::initializer_list<std::string_view> definition_keys = {
     "shape",       "mass_kg",        "density_kg_m3",   "friction",
     "restitution", "linear_damping", "angular_damping", "colour"};
 
+/// Lighter bodies have no mass left in single precision, or are flung away by every touch.
+constexpr double lightest_kg = 1e-6;
+
 template <class Map>
 std::vector<std::string> names_of(const Map& map) {
   std::vector<std::string> out;
@@ -27,7 +30,12 @@ float read_mass(const JsonNode& node, const Shape& shape) {
                             mass ? "both masses" : "no mass"));
     return 1;
   }
-  if (mass) return static_cast<float>(mass->number(mass_kg));
+  if (mass) {
+    const double kg = mass->number(mass_kg);
+    if (kg < lightest_kg)
+      mass->refuse(fmt::format("found {:g} kg, expected at least {:g} kg", kg, lightest_kg));
+    return static_cast<float>(kg);
+  }
   const double kg =
       density->number({0, 30'000, "kg/m³", true}) * volume_and_centre(shape).volume_m3;
   if (kg > mass_kg.max) {
@@ -35,6 +43,9 @@ float read_mass(const JsonNode& node, const Shape& shape) {
                                 mass_kg.max));
     return 1;
   }
+  if (kg < lightest_kg)
+    density->refuse(fmt::format("found a density that makes {:g} kg, expected at least {:g} kg", kg,
+                                lightest_kg));
   return static_cast<float>(kg);
 }
 

@@ -12,6 +12,8 @@ namespace aureole {
 
 /// Ranges shared by the reader and the schema.
 inline constexpr NumberRange coordinate_m{-100'000, 100'000, "m"};
+/// Of the world's bounds: as far as positions can be told to other servers (protocol/quantise.h).
+inline constexpr NumberRange bounds_m{-8192, 8192, "m"};
 inline constexpr NumberRange length_m{0.01, 1000, "m"};
 inline constexpr NumberRange mass_kg{0, 1e6, "kg", true};
 inline constexpr NumberRange speed_mps{-1000, 1000, "m/s"};

@@ -105,8 +105,8 @@ struct Volume {
   }
   VolumeAndCentre operator()(const ConvexHullShape& s) const {
     const auto found = convex_hull_volume(s.points);
-    AUREOLE_CHECK(found.has_value(), "a convex hull has volume");
-    return *found;
+    // Readers refuse flat hulls; moving one to its centre of mass may round it flat all the same.
+    return found.value_or(VolumeAndCentre{});
   }
   VolumeAndCentre operator()(const CompoundShape& s) const { return of_compound(s); }
   VolumeAndCentre operator()(const PlaneShape&) const {
@@ -167,6 +167,7 @@ std::optional<VolumeAndCentre> convex_hull_volume(std::span<const Vector3f> poin
     sum.volume_m3 += volume;
     sum.centre += volume * (a + b + c) / 4;
   }
+  if (!(sum.volume_m3 > 0)) return {};
   sum.centre = sum.centre / sum.volume_m3 + p[0];
   return sum;
 }

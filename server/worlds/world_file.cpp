@@ -78,7 +78,7 @@ void read_world(const JsonNode& root, WorldDefinition& world, const WorldFileOpt
   if (const auto p = root.find("physics")) read_physics(*p, world.physics);
   if (const auto t = root.find("tolerances")) read_tolerances(*t, world.tolerances);
   const JsonNode bounds = root.at("bounds");
-  world.bounds = read_box(bounds, coordinate_m);
+  world.bounds = read_box(bounds, bounds_m);
   if (root.ok() && (world.bounds.min.array() >= world.bounds.max.array()).any()) {
     bounds.refuse("found bounds without a volume, expected min below max on each axis");
   }
@@ -111,16 +111,23 @@ void read_world(const JsonNode& root, WorldDefinition& world, const WorldFileOpt
   }
 }
 
+/// Keys of the file stand in the sentences: they must not speak to the terminal.
+Error printable(Error error) {
+  for (char& c : error.message)
+    if ((c >= 0 && c < 0x20) || c == 0x7f) c = '?';
+  return error;
+}
+
 }  // namespace
 
 Result<WorldDefinition> parse_world(std::string_view text, std::string_view where,
                                     const WorldFileOptions& options) {
   auto document = JsonDocument::parse(text, where);
-  if (!document) return document.error();
+  if (!document) return printable(document.error());
   JsonProblems problems(where);
   WorldDefinition world;
   read_world(document->root(problems), world, options);
-  if (problems.any()) return problems.error();
+  if (problems.any()) return printable(problems.error());
   world.hash = world_hash(world);
   return world;
 }

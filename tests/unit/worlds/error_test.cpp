@@ -2,6 +2,8 @@
 #include <string>
 #include <vector>
 
+#include "protocol/quantise.h"
+#include "server/worlds/body_reader.h"
 #include "tests/support/catch.h"
 #include "tests/unit/worlds/small_world.h"
 
@@ -240,6 +242,26 @@ TEST_CASE("a file that is not there is answered with the worlds that are shipped
   CHECK(folder.error().message ==
         "/tmp: found something that is not a plain file, expected a world file");
   REQUIRE_FALSE(load_world(""));
+}
+
+TEST_CASE("bounds end where positions can no longer be told to other servers") {
+  REQUIRE(bounds_m.max == position_limit_m);
+  check({{R"("max": [100, 50, 100])", R"("max": [8193, 50, 100])",
+          "w.json: /bounds/max/0: found 8193, expected a number from -8192 to 8192 m"}});
+}
+
+TEST_CASE("a mass that single precision does not hold is refused") {
+  check({{R"("mass_kg": 2)", R"("mass_kg": 1e-60)",
+          "w.json: /definitions/ball/mass_kg: found 1e-60 kg, expected at least 1e-06 kg"},
+         {R"("mass_kg": 2)", R"("density_kg_m3": 1e-60)",
+          "w.json: /definitions/ball/density_kg_m3: found a density that makes 5.23599e-61 kg, "
+          "expected at least 1e-06 kg"}});
+}
+
+TEST_CASE("what a file says in control characters does not reach the terminal") {
+  const auto world = parse(with(small_world, R"("name": "small")", R"("\u001b[2J": 1)"));
+  REQUIRE_FALSE(world);
+  REQUIRE(world.error().message.find('\x1b') == std::string::npos);
 }
 
 }  // namespace aureole::test
