@@ -50,6 +50,16 @@ std::string_view host_name(std::string_view authority) {
   return authority.substr(0, std::min(authority.find(':'), authority.size()));
 }
 
+/// A name of this machine that no other machine's page can have. A page that has let its own name
+/// point here (DNS rebinding) comes with that name.
+bool is_own_name(std::string_view host) {
+  const std::string_view name = host_name(host);
+  error_code no_address;
+  const auto address = asio::ip::make_address(
+      std::string(name.starts_with('[') ? name.substr(1, name.size() - 2) : name), no_address);
+  return no_address ? name == "localhost" : address.is_loopback();
+}
+
 }  // namespace
 
 bool is_same_host(std::string_view origin, std::string_view host) {
@@ -174,7 +184,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     request.query = target.substr(std::min(question + 1, target.size()));
     request.if_none_match = view(request_[http::field::if_none_match]);
     request.from_loopback =
-        is_local_ && request_.count("X-Forwarded-For") == 0 && request_.count("Forwarded") == 0;
+        is_local_ && is_own_name(view(request_[http::field::host])) &&
+        request_.count("X-Forwarded-For") == 0 && request_.count("Forwarded") == 0;
     if (!handlers_->request) return refuse(503, "The server is stopping.");
     // Nothing is read while an answer is being made, so that one connection is one request.
     stream_.expires_after(answer_time);

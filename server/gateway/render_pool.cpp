@@ -63,7 +63,7 @@ void RenderPool::Shared::serve(PictureMaker& maker) {
   while (true) {
     changed.wait(lock, [&] { return stopping || !waiting.empty(); });
     if (stopping) return;
-    const std::shared_ptr<Job> job = waiting.front();
+    std::shared_ptr<Job> job = waiting.front();
     waiting.pop_front();
     drawing.push_back(job);
     lock.unlock();
@@ -73,7 +73,8 @@ void RenderPool::Shared::serve(PictureMaker& maker) {
     lock.lock();
     drawing.erase(std::find(drawing.begin(), drawing.end(), job));
     // From here on nobody can join this job, so its answers are ours alone.
-    post([job, result = std::make_shared<Result<Picture>>(std::move(picture))] {
+    // They may hold connections: the last of the job must not die on this thread.
+    post([job = std::move(job), result = std::make_shared<Result<Picture>>(std::move(picture))] {
       for (const Answer& answer : job->answers) answer(*result);
     });
   }

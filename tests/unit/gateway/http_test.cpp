@@ -44,8 +44,8 @@ struct WebFolder {
 /// A server that answers every request with its path, on a thread of its own.
 struct EchoServer {
   boost::asio::io_context io;
+  Endpoint at{"127.0.0.1", 0};  // Before the server, which listens there.
   HttpServer server;
-  Endpoint at{"127.0.0.1", 0};
   std::thread thread;
 
   EchoServer()
@@ -116,18 +116,29 @@ TEST_CASE("Pages of the same host may open a WebSocket, and programs without a p
 
 TEST_CASE("A request is taken apart, and HEAD is answered without its body") {
   EchoServer server;
-  const auto get = server.ask("GET /a/b?c=d HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+  const auto get = server.ask("GET /a/b?c=d HTTP/1.1\r\nHost: localhost:80\r\nConnection: close\r\n\r\n");
   REQUIRE(get.status == 200);
   REQUIRE(get.body == "/a/b|c=d|near");
   REQUIRE(get.head.find("ETag: \"tag\"") != std::string::npos);
   REQUIRE(get.head.find("nosniff") != std::string::npos);
-  const auto head = server.ask("HEAD /a/b?c=d HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+  const auto head = server.ask("HEAD /a/b?c=d HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
   REQUIRE(head.status == 200);
   REQUIRE(head.body.empty());
   REQUIRE(head.head.find("Content-Length: 13") != std::string::npos);
   const auto proxied = server.ask(
-      "GET / HTTP/1.1\r\nHost: x\r\nX-Forwarded-For: 1.2.3.4\r\nConnection: close\r\n\r\n");
+      "GET / HTTP/1.1\r\nHost: localhost\r\nX-Forwarded-For: 1.2.3.4\r\nConnection: close\r\n\r\n");
   REQUIRE(proxied.body == "/||far");
+}
+
+TEST_CASE("Only who asks this machine by a name of its own counts as near") {
+  EchoServer server;
+  const auto asked_as = [&](const std::string& host) {
+    return server.ask("GET / HTTP/1.1\r\nHost: " + host + "\r\nConnection: close\r\n\r\n").body;
+  };
+  for (const char* host : {"localhost", "localhost:8080", "127.0.0.1:8080", "[::1]:8080"})
+    REQUIRE(asked_as(host) == "/||near");
+  for (const char* host : {"rebound.example:8080", "[", "", "192.0.2.1", "localhost.example"})
+    REQUIRE(asked_as(host) == "/||far");
 }
 
 TEST_CASE("Odd requests are told what is wrong with them, and the next one is served") {
