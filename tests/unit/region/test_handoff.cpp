@@ -276,27 +276,6 @@ TEST_CASE("a group that claims to be from far ahead is taken as it is rather tha
   REQUIRE(region.core->physics().size() == 1);
 }
 
-TEST_CASE("a contact that would throw bodies out of all numbers is left behind on their way") {
-  Besieged region;
-  region.start();
-  region.step(10);
-  HandoffGroup group;
-  group.tick = region.now - 5;
-  for (std::uint32_t i = 0; i < 2; ++i)
-    group.bodies.push_back({{BodyId::world(90 + i), box, at({10, 0.5 + i, 0})}, 1});
-  ContactManifold manifold{BodyId::world(90), BodyId::world(91), 0, {}};
-  ContactPoint point;
-  point.local_on_a = {0, 0.5f, 0};
-  point.local_on_b = {0, -0.5f, 0};
-  point.normal_on_b = {0, -1, 0};
-  point.impulse = 1e10f;  // The strongest that is not refused at once.
-  manifold.points.assign(4, point);
-  group.contacts.push_back(manifold);
-  REQUIRE(region.hear(FrameType::handoff, encode_handoff(group)));
-  region.step(20);
-  REQUIRE(region.core->physics().size() == 2);
-}
-
 TEST_CASE("more effects than fit one message are told in several that the other side takes") {
   Besieged region;
   region.world.max_thrown_per_player = 10'000;
