@@ -5,8 +5,7 @@
 // there. Where a body of ours overlaps a projected aura, the two must be hosted together:
 //
 //   - One arbiter decides for each pair of servers, the one with the lower number, so that two
-//     servers can never disagree and swap their bodies for ever (paper notes, 1). It either sends its
-//     own cluster or asks the other server for its one.
+//     servers can never disagree and swap their bodies for ever: it asks the other for its body.
 //   - With a body goes its cluster: everything here whose auras overlap, recursively, so that a move
 //     does not tear apart what touches (section 3.4, thrashing).
 //   - A cluster of which no member reaches into the host's region, and which no projected aura
@@ -25,6 +24,9 @@ namespace {
 /// together even before they stir.
 constexpr double resting_margin_m = 0.08;
 
+/// Air that an island needs around it before it goes home (m); more than an aura is rounded by.
+constexpr double island_clearance_m = 0.1;
+
 class AuraPolicy final : public MigrationPolicy {
  public:
   explicit AuraPolicy(const AuraTolerances& tolerances)
@@ -37,7 +39,7 @@ class AuraPolicy final : public MigrationPolicy {
     std::map<RegionId, std::vector<BodyId>> leaving;
     std::map<RegionId, std::set<BodyId>> pulls;
     answer_requests(s, leaving);
-    settle_overlaps(s, leaving, pulls);
+    settle_overlaps(s, pulls);
     send_islands_home(s, leaving);
     for (auto& [to, bodies] : leaving) {
       std::sort(bodies.begin(), bodies.end());
@@ -50,6 +52,12 @@ class AuraPolicy final : public MigrationPolicy {
   }
 
  private:
+  static constexpr std::size_t none = static_cast<std::size_t>(-1);
+  struct Cluster {
+    std::vector<std::uint32_t> members;
+    bool sent = false;
+  };
+
   /// `speed_mps`: the fastest that the body may soon move; negative: it rests.
   AuraBox aura_of(const HostedBody& body, double speed_mps) const {
     AuraBox box{body.position.vector(), body.half_extents};
@@ -63,7 +71,7 @@ class AuraPolicy final : public MigrationPolicy {
   }
 
   /// What may soon be struck may soon move as fast as what strikes it, and then it is too late to
-  /// ask whom it meets (paper notes, 5): its aura grows before the blow.
+  /// ask whom it meets: its aura grows before the blow.
   void expect_blows(const MigrationSituation& s) {
     std::vector<double> speeds(speeds_);
     std::vector<std::uint32_t> found;
@@ -143,14 +151,10 @@ class AuraPolicy final : public MigrationPolicy {
         send(s, cluster_of(s, it->second), request.to, leaving);
   }
 
-  void settle_overlaps(const MigrationSituation& s,
-                       std::map<RegionId, std::vector<BodyId>>& leaving,
-                       std::map<RegionId, std::set<BodyId>>& pulls) {
-    struct Overlap {
-      std::uint32_t ours;
-      const RemoteAura* theirs;
-    };
-    std::vector<Overlap> overlaps;
+  /// As arbiter, asks for the bodies of others that overlap ours. Owners thus change only towards
+  /// lower numbers while things meet, and debris on a corner is not passed around. What moves stays
+  /// where it is stepped; what rests is fetched, which disturbs it least.
+  void settle_overlaps(const MigrationSituation& s, std::map<RegionId, std::set<BodyId>>& pulls) {
     std::vector<std::uint32_t> found;
     visitors_.assign(s.hosted.size(), {});
     for (const RemoteAura& aura : s.remote) {
@@ -158,36 +162,36 @@ class AuraPolicy final : public MigrationPolicy {
       found.clear();
       grid_.find(aura.box, found);
       for (std::uint32_t body : found) {
-        overlaps.push_back({body, &aura});
         contested_[body] = true;
         visitors_[body].push_back(aura.host);
+        // Not ours to decide, or ours is on its way already: the two must not swap.
+        if (aura.host < s.self || clusters_[cluster_of(s, body)].sent) continue;
+        pulls[aura.host].insert(aura.id);
       }
     }
-    // Where one overlap takes our cluster away, the others must not pull strangers to the place that
-    // it leaves: the two would swap. So requests wait until it is known who stays.
-    std::vector<std::pair<std::size_t, const RemoteAura*>> wanted;
-    for (const Overlap& overlap : overlaps) {
-      const RegionId other = overlap.theirs->host;
-      if (other < s.self) continue;  // Theirs to decide.
-      const std::size_t cluster = cluster_of(s, overlap.ours);
-      if (clusters_[cluster].sent) continue;
-      if (destination(s, s.hosted[overlap.ours], *overlap.theirs) == s.self)
-        wanted.emplace_back(cluster, overlap.theirs);
-      else
-        send(s, cluster, other, leaving);
-    }
-    for (const auto& [cluster, theirs] : wanted)
-      if (!clusters_[cluster].sent) pulls[theirs->host].insert(theirs->id);
   }
 
-  /// Which of the two servers hosts both from now on. What moves goes to what rests; otherwise the
-  /// place of the meeting decides. Only the arbiter asks, so any rule is consistent.
-  RegionId destination(const MigrationSituation& s, const HostedBody& ours,
-                       const RemoteAura& theirs) const {
-    if (ours.asleep != theirs.asleep) return ours.asleep ? s.self : theirs.host;
-    const Eigen::Vector3d middle = (ours.position.vector() + theirs.box.centre) / 2;
-    const RegionId place = s.map.region_at(middle.x(), middle.z());
-    return place == theirs.host ? theirs.host : s.self;
+  /// The clusters around a body that are not clear of each other. Auras travel rounded outwards: what
+  /// leaves without some air to spare is met again from its new home, and fetched back at once.
+  std::set<std::size_t> island_of(const MigrationSituation& s, std::uint32_t body) {
+    std::set<std::size_t> island{cluster_of(s, body)};
+    std::vector<std::size_t> open(island.begin(), island.end());
+    std::vector<std::uint32_t> found;
+    while (!open.empty()) {
+      const std::size_t number = open.back();
+      open.pop_back();
+      const std::vector<std::uint32_t> members = clusters_[number].members;
+      for (std::uint32_t member : members) {
+        AuraBox box = boxes_[member];
+        box.half.array() += island_clearance_m;
+        found.clear();
+        grid_.find(box, found);
+        for (std::uint32_t other : found)
+          if (const std::size_t near = cluster_of(s, other); island.insert(near).second)
+            open.push_back(near);
+      }
+    }
+    return island;
   }
 
   void send_islands_home(const MigrationSituation& s,
@@ -197,28 +201,30 @@ class AuraPolicy final : public MigrationPolicy {
       const WorldPosition& at = s.hosted[i].position;
       return home.distance(at.x, at.z) > (s.hosted[i].asleep ? 0.0 : home_hysteresis_m);
     };
+    std::set<std::size_t> judged;
     for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
-      if (!is_away(i)) continue;
-      const std::size_t number = cluster_of(s, i);
-      Cluster& cluster = clusters_[number];
-      if (cluster.judged || cluster.sent) continue;
-      cluster.judged = true;
+      if (!is_away(i) || judged.contains(cluster_of(s, i))) continue;
+      const std::set<std::size_t> island = island_of(s, i);
+      judged.insert(island.begin(), island.end());
       std::map<RegionId, std::size_t> holds;
       bool leaves = true;
-      for (std::uint32_t member : cluster.members) {
-        const HostedBody& body = s.hosted[member];
-        // Who moves may be met again as soon as it is home, and would be back at once.
-        const std::int64_t stay = body.asleep ? stay_ticks : 2 * stay_ticks;
-        leaves = leaves && is_away(member) && !contested_[member] &&
-                 s.now - body.changed_owner >= stay;
-        ++holds[s.map.region_at(body.position.x, body.position.z)];
+      for (std::size_t number : island) {
+        leaves = leaves && !clusters_[number].sent;
+        for (std::uint32_t member : clusters_[number].members) {
+          const HostedBody& body = s.hosted[member];
+          // Who moves may be met again as soon as it is home, and would be back at once.
+          const std::int64_t stay = body.asleep ? stay_ticks : 2 * stay_ticks;
+          leaves = leaves && is_away(member) && !contested_[member] &&
+                   s.now - body.changed_owner >= stay;
+          ++holds[s.map.region_at(body.position.x, body.position.z)];
+        }
       }
       if (!leaves) continue;
-      // Most bodies; the lower number on a tie (paper notes, 11).
+      // Where most of its bodies are; the lower number on a tie.
       const auto most = std::max_element(holds.begin(), holds.end(), [](auto& a, auto& b) {
         return a.second < b.second;
       });
-      send(s, number, most->first, leaving);
+      for (std::size_t number : island) send(s, number, most->first, leaving);
     }
   }
 
@@ -255,12 +261,6 @@ class AuraPolicy final : public MigrationPolicy {
     }
   }
 
-  static constexpr std::size_t none = static_cast<std::size_t>(-1);
-  struct Cluster {
-    std::vector<std::uint32_t> members;
-    bool sent = false;
-    bool judged = false;
-  };
   double reach_s_;
   std::vector<AuraBox> boxes_;
   std::vector<double> speeds_;  ///< Of each body by itself (m/s); negative: it rests.

@@ -15,7 +15,8 @@ constexpr std::int64_t side_max = 1024;
 OverlapGrid::Cell OverlapGrid::cell_of(const Eigen::Vector3d& at) const {
   const auto index = [](double metres, std::int64_t count) {
     const double cell = std::floor(metres / cell_m);
-    return static_cast<std::int64_t>(std::clamp(cell, 0.0, static_cast<double>(count - 1)));
+    if (!(cell > 0)) return std::int64_t{0};  // Also for what is not a number.
+    return static_cast<std::int64_t>(std::min(cell, static_cast<double>(count - 1)));
   };
   return {index(at.x() - origin_.x(), columns_), index(at.z() - origin_.y(), rows_)};
 }

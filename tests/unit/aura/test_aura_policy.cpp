@@ -73,25 +73,18 @@ std::vector<RegionId> regions(std::initializer_list<int> numbers) {
 
 }  // namespace
 
-TEST_CASE("what moves is sent to what rests, by the arbiter of the two servers") {
-  Scene scene;
-  scene.hosted = {awake_at(0, 9.8)};
-  scene.remote = {aura(1, 1, true, 10.3)};
-  const auto decision = scene.decide();
-  REQUIRE(decision.leaving.size() == 1);
-  REQUIRE(decision.leaving[0].to == RegionId{1});
-  REQUIRE(decision.pulls.empty());
-}
-
-TEST_CASE("what moves elsewhere is asked for by the arbiter that hosts what rests") {
-  Scene scene;
-  scene.hosted = {asleep_at(0, 9.8)};
-  scene.remote = {aura(1, 1, false, 10.3)};
-  const auto decision = scene.decide();
-  REQUIRE(decision.leaving.empty());
-  REQUIRE(decision.pulls.size() == 1);
-  REQUIRE(decision.pulls[0].from == RegionId{1});
-  REQUIRE(decision.pulls[0].bodies == std::vector{name(1)});
+TEST_CASE("the arbiter asks for the other server's body, whichever of the two moves") {
+  for (const bool ours_sleeps : {false, true})
+    for (const bool theirs_sleeps : {false, true}) {
+      Scene scene;
+      scene.hosted = {ours_sleeps ? asleep_at(0, 9.8) : awake_at(0, 9.8)};
+      scene.remote = {aura(1, 1, theirs_sleeps, 10.3)};
+      const auto decision = scene.decide();
+      REQUIRE(decision.leaving.empty());
+      REQUIRE(decision.pulls.size() == 1);
+      REQUIRE(decision.pulls[0].from == RegionId{1});
+      REQUIRE(decision.pulls[0].bodies == std::vector{name(1)});
+    }
 }
 
 TEST_CASE("the server that is not the arbiter waits, and tells the arbiter what it has there") {
@@ -123,13 +116,14 @@ TEST_CASE("both servers of a pair look at the same overlap and exactly one moves
     }
 }
 
-TEST_CASE("a cluster goes whole, and what another of its overlaps would ask for is not asked for") {
+TEST_CASE("a cluster that is asked for goes whole, and nothing is fetched to the place it leaves") {
   Scene scene;
-  // Two that touch: the first is met by one that rests, the second by one that moves.
-  scene.hosted = {awake_at(0, 9.4, 0), asleep_at(1, 9.4, 0.6)};
-  scene.remote = {aura(2, 1, false, 10.0, 1.1), aura(3, 1, true, 10.0, -0.6)};
+  scene.hosted = {awake_at(0, 9.4, 0), asleep_at(1, 9.4, 0.6)};  // Two that touch.
+  scene.remote = {aura(2, 1, false, 10.0, 1.1)};
+  scene.requested = {{name(0), RegionId{1}}};
   const auto decision = scene.decide();
   REQUIRE(decision.leaving.size() == 1);
+  REQUIRE(decision.leaving[0].to == RegionId{1});
   REQUIRE(decision.leaving[0].bodies == std::vector{name(0), name(1)});
   REQUIRE(decision.pulls.empty());
 }

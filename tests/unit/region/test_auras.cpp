@@ -273,20 +273,20 @@ TEST_CASE("what is struck strikes on, over the boundary, as on one server") {
 TEST_CASE(
     "who steps to and fro in front of a neighbour's body changes servers twice a second at most") {
   auto world = flat_world(2, 50);
-  world.spawn_points[0].position = {49.0, 0.95, 0};
-  put(world, box, {50.8, 0.5, 0}, {0, 0, 0}, Activation::asleep);
+  world.spawn_points[0].position = {52.28, 0.95, 0};
+  put(world, box, {49.2, 0.5, 0}, {0, 0, 0}, Activation::asleep);
   RegionCluster cluster(world, 1);
   PlayerCommand command;
   command.player = PlayerId{5};  // Stands 0.64 m before the spawn point.
   command.session = 1;
   command.sequence = 1;
   command.kind = PlayerCommand::Kind::join;
-  cluster.command(command, 0);
+  cluster.command(command, 1);
   cluster.step(60);
   command.kind = PlayerCommand::Kind::input;
-  command.yaw = -1.5708f;  // East.
+  command.yaw = 1.5708f;  // West.
   std::vector<int> changes;
-  std::optional<int> owner = 0;
+  std::optional<int> owner = 1;
   for (int t = 0; t < 600; ++t) {
     const auto now = cluster.owner(BodyId::avatar(command.player));
     if (now && now != owner) {

@@ -1,4 +1,7 @@
 // The default world, split over its four servers, plays as it does on one.
+#include <deque>
+#include <map>
+
 #include "server/worlds/world_file.h"
 #include "tests/support/catch.h"
 #include "tests/support/region_cluster.h"
@@ -99,5 +102,43 @@ TEST_CASE("a blast at the four-way corner moves bodies of all four regions") {
   for (BodyId id : balls) {
     const BodyState state = cluster.state(id);
     REQUIRE(std::hypot(state.position.x, state.position.z) > 5.9);
+  }
+}
+
+TEST_CASE("while the tower on the corner is shot to pieces nobody changes owner more than twice a second") {
+  WorldDefinition world = playground({});
+  // Heavy balls from two sides, one after the other, into the tower that stands on all four regions.
+  const PrototypeId heavy = world.throwables[1].prototype;
+  for (int i = 0; i < 12; ++i) {
+    const float side = i % 2 ? 1.0f : -1.0f;
+    put(world, heavy, {side * (9.0 + 5 * i), 1.5 + 0.1 * i, 0.4 * (i % 5) - 0.8},
+        {-side * 22.0f, 1.0f + 0.6f * static_cast<float>(i), 0});
+  }
+  for (const int delay : {0, 1}) {
+    RegionCluster cluster(world, delay);
+    std::map<BodyId, int> owners;
+    std::map<BodyId, std::deque<Tick>> changes;
+    std::size_t most = 0, moves = 0;
+    for (int n = 0; n < 500; ++n) {
+      cluster.step();
+      for (int i = 0; i < 4; ++i) {
+        for (BodyId id : cluster.core(i).physics().ids()) {
+          const auto [it, fresh] = owners.try_emplace(id, i);
+          if (it->second == i) continue;
+          it->second = i;
+          // The world is cut while it sleeps; what touches over a seam is first brought together.
+          if (n < 30) continue;
+          auto& recent = changes[id];
+          recent.push_back(cluster.now());
+          while (cluster.now() - recent.front() >= 63) recent.pop_front();
+          most = std::max(most, recent.size());
+          ++moves;
+        }
+      }
+      REQUIRE(cluster.bodies_in_world() == world.bodies.size());
+    }
+    INFO("delay " << delay << ": " << moves << " changes of owner, at most " << most << " a second");
+    CHECK(moves > 0);
+    CHECK(most <= 2);
   }
 }
