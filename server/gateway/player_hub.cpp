@@ -25,6 +25,9 @@ constexpr std::int64_t departing_us = 5'000'000;
 constexpr std::int64_t lost_avatar_us = 2'000'000;
 /// Departing players remembered at a time; more are dropped, and time out in their regions.
 constexpr std::size_t max_departing = 256;
+/// Deeds (throws, blasts …) of one player: so many a second for long, and so many at once.
+constexpr double actions_per_s = 15;
+constexpr double actions_burst = 30;
 
 std::int64_t unix_ms() {
   return std::chrono::duration_cast<std::chrono::milliseconds>(
@@ -257,6 +260,13 @@ void PlayerHub::on_message(Seat& seat, const BrowserMessage& message, std::int64
 
 Status PlayerHub::on_action(Seat& seat, const ActionMessage& message, std::int64_t now_us) {
   PlayerSession& session = *seat.session;
+  // Each deed costs the regions work; faster than any hand it counts as looking around only.
+  seat.actions_left = std::min(
+      actions_burst, seat.actions_left + static_cast<double>(now_us - seat.actions_at_us) / 1e6 *
+                                             actions_per_s);
+  seat.actions_at_us = now_us;
+  if (seat.actions_left < 1) return session.input({message.seq, session.keys(), message.look}, now_us);
+  seat.actions_left -= 1;
   BodyId target;
   if (message.action == PlayerAction::grab) {
     const auto known = regions_.store().player(session.player());

@@ -31,8 +31,8 @@ Result<Introduction> read_hello(const Frame& frame, const PeerLinksOptions& self
                          hello->protocol_version(), protocol_version);
   if (hello->world_hash() != self.world_hash)
     return Error::format(
-        "world hash {:016x} differs from {:016x}: start every server with the same world file and --regions",
-        hello->world_hash(), self.world_hash);
+        "it simulates another world than {}: start every server with the same world file and --regions",
+        describe(self.self));
   if (hello->incarnation() == 0) return Error{"incarnation 0 in a hello; expected at least 1"};
   if (hello->id() >= PeerId::first_gateway)
     return Error::format("server number {} in a hello; expected less than {}", hello->id(),

@@ -65,7 +65,13 @@ struct RegionServer::Impl {
                       [this](PeerId peer, const Frame& frame) { return core.receive(peer, frame); },
                       [this] { return begun; },
                       [this](PeerId peer, const std::string& reason) {
-                        fail(fmt::format("{} refused this server: {}", describe(peer), reason));
+                        // A world that runs is not ended by whoever happens to answer somewhere.
+                        const std::string what =
+                            fmt::format("{} refused this server: {}", describe(peer), reason);
+                        if (begun)
+                          spdlog::error("{}", what);
+                        else
+                          fail(what);
                       },
                   });
   }
