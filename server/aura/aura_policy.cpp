@@ -1,12 +1,13 @@
 // Aura projection: what may soon touch is brought together, what has left for good goes home.
 //
-// Every body has an aura: its box grown by what it can move in the time that a decision and a handoff
-// take. Auras that reach beyond their region are projected to all servers that may host something
-// there. Where a body of ours overlaps a projected aura, the two must be hosted together:
+// Every body has an aura: its box grown by what it can move in the time that a decision and a
+// handoff take. Auras that reach beyond their region are projected to all servers that may host
+// something there. Where a body of ours overlaps a projected aura, the two must be hosted together:
 //
 //   - One arbiter decides for each pair of servers, the one with the lower number, so that two
 //     servers can never disagree and swap their bodies for ever: it asks the other for its body.
-//   - With a body goes its cluster: everything here whose auras overlap, recursively, so that a move
+//   - With a body goes its cluster: everything here whose auras overlap, recursively, so that a
+//   move
 //     does not tear apart what touches (section 3.4, thrashing).
 //   - A cluster of which no member reaches into the host's region, and which no projected aura
 //     touches, is an island: it goes to the region that holds most of it (section 3.5).
@@ -31,7 +32,8 @@ class AuraPolicy final : public MigrationPolicy {
  public:
   explicit AuraPolicy(const AuraTolerances& tolerances)
       // A request to the other server takes one more flight than the paper's T_T covers.
-      : reach_s_(total_displacement_s(tolerances) + steps_in_flight(tolerances) * (tick_us / 1e6)) {}
+      : reach_s_(total_displacement_s(tolerances) + steps_in_flight(tolerances) * (tick_us / 1e6)) {
+  }
 
   MigrationDecision decide(const MigrationSituation& s) override {
     prepare(s);
@@ -171,8 +173,9 @@ class AuraPolicy final : public MigrationPolicy {
     }
   }
 
-  /// The clusters around a body that are not clear of each other. Auras travel rounded outwards: what
-  /// leaves without some air to spare is met again from its new home, and fetched back at once.
+  /// The clusters around a body that are not clear of each other. Auras travel rounded outwards:
+  /// what leaves without some air to spare is met again from its new home, and fetched back at
+  /// once.
   std::set<std::size_t> island_of(const MigrationSituation& s, std::uint32_t body) {
     std::set<std::size_t> island{cluster_of(s, body)};
     std::vector<std::size_t> open(island.begin(), island.end());
@@ -221,17 +224,16 @@ class AuraPolicy final : public MigrationPolicy {
       }
       if (!leaves) continue;
       // Where most of its bodies are; the lower number on a tie.
-      const auto most = std::max_element(holds.begin(), holds.end(), [](auto& a, auto& b) {
-        return a.second < b.second;
-      });
+      const auto most = std::max_element(holds.begin(), holds.end(),
+                                         [](auto& a, auto& b) { return a.second < b.second; });
       for (std::size_t number : island) send(s, number, most->first, leaving);
     }
   }
 
   /// Tells every server that may host something where the aura reaches: the regions it overlaps,
-  /// their neighbours (the corner case, section 3.6), and the hosts of auras that overlap it. An aura
-  /// beyond our neighbours concerns everybody: another server that hosts as far from its home would
-  /// otherwise neither hear of us nor be heard.
+  /// their neighbours (the corner case, section 3.6), and the hosts of auras that overlap it. An
+  /// aura beyond our neighbours concerns everybody: another server that hosts as far from its home
+  /// would otherwise neither hear of us nor be heard.
   void project(const MigrationSituation& s, MigrationDecision& decision) const {
     const Rectangle& home = s.map.area(s.self);
     const auto& near = s.map.neighbours(s.self);

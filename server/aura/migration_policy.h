@@ -21,7 +21,8 @@ struct HostedBody {
   Eigen::Vector3d half_extents{0, 0, 0};  ///< Of the box around the body as it stands (m).
   double surface_speed_mps = 0;           ///< Fastest that any point of it moves.
   bool asleep = false;
-  /// The body that this one must be hosted with (a carried thing with the avatar); none: decides itself.
+  /// The body that this one must be hosted with (a carried thing with the avatar); none: decides
+  /// itself.
   BodyId leader;
   /// When it last changed its owner.
   Tick changed_owner;
@@ -88,12 +89,13 @@ class MigrationPolicy {
 };
 
 /// Section 3.1 of the paper: a body is handed over when its centre has crossed the boundary. Bodies
-/// that cross in the same step to the same region travel as one group, so that a sleeping stack goes
-/// whole. Against thrash a centre must be `naive_hysteresis_m` across, and a body stays at least
-/// `stay_ticks` with each owner. Nothing is projected: bodies of two servers never meet.
+/// that cross in the same step to the same region travel as one group, so that a sleeping stack
+/// goes whole. Against thrash a centre must be `naive_hysteresis_m` across, and a body stays at
+/// least `stay_ticks` with each owner. Nothing is projected: bodies of two servers never meet.
 std::unique_ptr<MigrationPolicy> make_naive_policy();
 
-/// Bodies whose auras overlap are brought onto one server before they can touch; see aura_policy.cpp.
+/// Bodies whose auras overlap are brought onto one server before they can touch; see
+/// aura_policy.cpp.
 std::unique_ptr<MigrationPolicy> make_aura_policy(const AuraTolerances& tolerances);
 
 /// Far enough that a body resting on the line does not flicker; near enough not to be seen (m).

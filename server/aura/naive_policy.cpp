@@ -39,6 +39,8 @@ class NaivePolicy final : public MigrationPolicy {
 
 }  // namespace
 
-std::unique_ptr<MigrationPolicy> make_naive_policy() { return std::make_unique<NaivePolicy>(); }
+std::unique_ptr<MigrationPolicy> make_naive_policy() {
+  return std::make_unique<NaivePolicy>();
+}
 
 }  // namespace aureole

@@ -39,8 +39,8 @@ class OverlapGrid {
   std::span<const AuraBox> boxes_;
   Eigen::Vector2d origin_{0, 0};
   std::int64_t columns_ = 0, rows_ = 0;
-  double reach_m_ = 0;                  ///< Largest half extent in x or z.
-  std::vector<std::uint32_t> start_;    ///< Of each cell in `order_`.
+  double reach_m_ = 0;                ///< Largest half extent in x or z.
+  std::vector<std::uint32_t> start_;  ///< Of each cell in `order_`.
   std::vector<std::uint32_t> order_;
 };
 

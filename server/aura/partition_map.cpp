@@ -53,7 +53,8 @@ RegionId PartitionMap::region_at(double x, double z) const {
 std::vector<RegionId> PartitionMap::regions_within(double x, double z, double radius) const {
   std::vector<RegionId> found;
   for (std::size_t i = 0; i < areas_.size(); ++i)
-    if (areas_[i].distance(x, z) <= radius) found.push_back(RegionId{static_cast<std::uint16_t>(i)});
+    if (areas_[i].distance(x, z) <= radius)
+      found.push_back(RegionId{static_cast<std::uint16_t>(i)});
   return found;
 }
 

@@ -1,4 +1,5 @@
-// Which region server answers for which part of the ground plane: data with a version, never baked in.
+// Which region server answers for which part of the ground plane: data with a version, never baked
+// in.
 #pragma once
 
 #include <cstdint>
@@ -26,11 +27,12 @@ struct Rectangle {
 
 /// A piece of a vertical plane between two regions. One of the coordinates is constant.
 struct BoundarySegment {
-  RegionId first, second;  ///< first < second
+  RegionId first, second;                             ///< first < second
   double from_x = 0, from_z = 0, to_x = 0, to_z = 0;  ///< May be infinite along the segment.
 };
 
-/// The areas tile the plane (checked where worlds are read), so that each point has exactly one owner.
+/// The areas tile the plane (checked where worlds are read), so that each point has exactly one
+/// owner.
 class PartitionMap {
  public:
   explicit PartitionMap(std::vector<Rectangle> areas, std::uint64_t version = 1);

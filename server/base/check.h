@@ -5,7 +5,8 @@
 #include <cstdlib>
 
 namespace aureole::detail {
-[[noreturn]] inline void check_failed(const char* what, const char* why, const char* file, int line) {
+[[noreturn]] inline void check_failed(const char* what, const char* why, const char* file,
+                                      int line) {
   std::fprintf(stderr, "aureole: broken invariant: %s (%s) at %s:%d\n", why, what, file, line);
   std::abort();
 }

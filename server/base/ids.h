@@ -1,4 +1,5 @@
-// Who is who: bodies, regions, gateways, players and the version that orders the states of one body.
+// Who is who: bodies, regions, gateways, players and the version that orders the states of one
+// body.
 #pragma once
 
 #include <compare>
@@ -22,7 +23,8 @@ struct StrongId {
 using RegionId = StrongId<struct RegionTag, std::uint16_t>;
 /// A player, chosen by the gateway from the player's secret token; 0 is nobody.
 using PlayerId = StrongId<struct PlayerTag, std::uint32_t>;
-/// Index into the world's table of prototypes (shape + mass + material + colour), the same on all servers.
+/// Index into the world's table of prototypes (shape + mass + material + colour), the same on all
+/// servers.
 using PrototypeId = StrongId<struct PrototypeTag, std::uint16_t>;
 /// Index into the world's table of immovable geometry, the same on all servers.
 using StaticId = StrongId<struct StaticTag, std::uint16_t>;
@@ -41,8 +43,8 @@ struct PeerId : StrongId<struct PeerTag, std::uint16_t> {
   constexpr RegionId as_region() const { return RegionId{value}; }
 };
 
-/// A body's name, unique in the world for ever. The top byte says where the name comes from, so that
-/// any server can make names without asking another one.
+/// A body's name, unique in the world for ever. The top byte says where the name comes from, so
+/// that any server can make names without asking another one.
 struct BodyId : StrongId<struct BodyTag, std::uint64_t> {
   using StrongId::StrongId;
 
@@ -66,9 +68,7 @@ struct BodyId : StrongId<struct BodyTag, std::uint64_t> {
     if (kind() == Kind::thrown) return PlayerId{static_cast<std::uint32_t>(value >> 24)};
     return {};
   }
-  constexpr bool valid() const {
-    return kind() >= Kind::world && kind() <= Kind::thrown;
-  }
+  constexpr bool valid() const { return kind() >= Kind::world && kind() <= Kind::thrown; }
 
  private:
   static constexpr BodyId make(Kind k, std::uint64_t rest) {
@@ -76,9 +76,9 @@ struct BodyId : StrongId<struct BodyTag, std::uint64_t> {
   }
 };
 
-/// Orders the ownerships of one body: whoever takes a body over makes the next epoch. Two owners can
-/// never carry the same version, because region and incarnation are part of it; the higher one wins
-/// everywhere.
+/// Orders the ownerships of one body: whoever takes a body over makes the next epoch. Two owners
+/// can never carry the same version, because region and incarnation are part of it; the higher one
+/// wins everywhere.
 struct Version {
   std::uint32_t epoch{};
   Incarnation incarnation{};

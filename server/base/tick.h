@@ -22,6 +22,8 @@ struct Tick {
 };
 
 /// Ticks that last at least `ms` milliseconds.
-constexpr std::int64_t ticks_from_ms(std::int64_t ms) { return (ms * 1000 + tick_us - 1) / tick_us; }
+constexpr std::int64_t ticks_from_ms(std::int64_t ms) {
+  return (ms * 1000 + tick_us - 1) / tick_us;
+}
 
 }  // namespace aureole

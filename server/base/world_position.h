@@ -7,8 +7,8 @@
 namespace aureole {
 
 /// World coordinates (unit: m): x and z span the ground plane, y is up. Doubles, so that worlds may
-/// grow wider than floats resolve; physics works in floats around its own origin and converts at its
-/// border.
+/// grow wider than floats resolve; physics works in floats around its own origin and converts at
+/// its border.
 struct WorldPosition {
   double x{}, y{}, z{};
 

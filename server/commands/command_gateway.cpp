@@ -37,8 +37,8 @@ int run_gateway(const GatewayCommandOptions& options) {
   if (!world) return complain(exit_usage, world.error().message);
   const auto listen = parse_endpoint(options.listen);
   if (!listen) return complain(exit_usage, "--listen: " + listen.error().message);
-  auto regions = parse_regions(options.addresses, "--region",
-                               static_cast<int>(world->regions.size()), -1);
+  auto regions =
+      parse_regions(options.addresses, "--region", static_cast<int>(world->regions.size()), -1);
   if (!regions) return complain(exit_usage, regions.error().message);
 
   GatewayOptions gateway_options;
@@ -70,8 +70,9 @@ int run_gateway(const GatewayCommandOptions& options) {
 
 void add_gateway(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
-      "gateway", "Runs one gateway: it gathers what the regions tell, renders each player's view\n"
-                 "and serves the player page.");
+      "gateway",
+      "Runs one gateway: it gathers what the regions tell, renders each player's view\n"
+      "and serves the player page.");
   const auto options = std::make_shared<GatewayCommandOptions>();
   command->add_option("--world", options->world, "World file, or the name of a shipped world")
       ->capture_default_str();
@@ -83,15 +84,18 @@ void add_gateway(CLI::App& app, int& exit_code) {
                       "A region and its address, as r0=127.0.0.1:7000; once for each");
   command->add_option("--web-root", options->web_root,
                       "Folder of the built player page (default: the one built with this program)");
-  command->add_option("--number", options->number,
-                      "Tells gateways of one world apart; each has its own")
+  command
+      ->add_option("--number", options->number,
+                   "Tells gateways of one world apart; each has its own")
       ->capture_default_str()
       ->check(CLI::Range(0, 999));
-  command->add_option("--render-threads", options->render_threads,
-                      "Threads that draw (default: one less than the cores, 1 to 4)")
+  command
+      ->add_option("--render-threads", options->render_threads,
+                   "Threads that draw (default: one less than the cores, 1 to 4)")
       ->check(CLI::Range(0, 64));
-  command->add_option("--log-level", options->log_level,
-                      "trace, debug, info, warning, error or off (default: AUREOLE_LOG_LEVEL or info)");
+  command->add_option(
+      "--log-level", options->log_level,
+      "trace, debug, info, warning, error or off (default: AUREOLE_LOG_LEVEL or info)");
   command->callback([options, &exit_code] { exit_code = run_gateway(*options); });
 }
 

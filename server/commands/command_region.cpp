@@ -40,8 +40,8 @@ int run_region(const RegionOptions& options) {
 
   RegionServerOptions server_options;
   server_options.self = RegionId{static_cast<std::uint16_t>(options.region)};
-  server_options.incarnation = options.incarnation != 0 ? Incarnation{options.incarnation}
-                                                        : incarnation_of_this_start();
+  server_options.incarnation =
+      options.incarnation != 0 ? Incarnation{options.incarnation} : incarnation_of_this_start();
   const std::string at =
       options.listen.empty() ? fmt::format("127.0.0.1:{}", 7000 + options.region) : options.listen;
   auto listen = parse_endpoint(at);
@@ -85,14 +85,16 @@ void add_region(CLI::App& app, int& exit_code) {
                       "Split the world's extent anew into this many regions");
   command->add_option("--region", options->region, "Which of the world's regions this is, from 0")
       ->required();
-  command->add_option("--listen", options->listen,
-                      "Address for other servers, host:port (default 127.0.0.1:7000 plus --region)");
+  command->add_option(
+      "--listen", options->listen,
+      "Address for other servers, host:port (default 127.0.0.1:7000 plus --region)");
   command->add_option("--peer", options->peers,
                       "Another region and its address, as r1=127.0.0.1:7001; once for each");
   command->add_option("--incarnation", options->incarnation,
                       "Number of this start, greater than at the last one (default: the time)");
-  command->add_option("--log-level", options->log_level,
-                      "trace, debug, info, warning, error or off (default: AUREOLE_LOG_LEVEL or info)");
+  command->add_option(
+      "--log-level", options->log_level,
+      "trace, debug, info, warning, error or off (default: AUREOLE_LOG_LEVEL or info)");
   command->callback([options, &exit_code] { exit_code = run_region(*options); });
 }
 

@@ -19,8 +19,9 @@ Result<std::vector<PeerAddress>> parse_regions(const std::vector<std::string>& t
       if (ec != std::errc{} || stop != end) number = -1;
     }
     if (number < 0)
-      return Error::format("{} \"{}\": expected a region and its address, for example r1=127.0.0.1:7001",
-                           option, text);
+      return Error::format(
+          "{} \"{}\": expected a region and its address, for example r1=127.0.0.1:7001", option,
+          text);
     if (number >= count || number == self)
       return Error::format("{} \"{}\": expected one of the other regions; this world has r0 to r{}",
                            option, text, count - 1);

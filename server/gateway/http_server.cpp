@@ -183,9 +183,9 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     request.path = target.substr(0, question);
     request.query = target.substr(std::min(question + 1, target.size()));
     request.if_none_match = view(request_[http::field::if_none_match]);
-    request.from_loopback =
-        is_local_ && is_own_name(view(request_[http::field::host])) &&
-        request_.count("X-Forwarded-For") == 0 && request_.count("Forwarded") == 0;
+    request.from_loopback = is_local_ && is_own_name(view(request_[http::field::host])) &&
+                            request_.count("X-Forwarded-For") == 0 &&
+                            request_.count("Forwarded") == 0;
     if (!handlers_->request) return refuse(503, "The server is stopping.");
     // Nothing is read while an answer is being made, so that one connection is one request.
     stream_.expires_after(answer_time);

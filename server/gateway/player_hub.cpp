@@ -261,11 +261,12 @@ void PlayerHub::on_message(Seat& seat, const BrowserMessage& message, std::int64
 Status PlayerHub::on_action(Seat& seat, const ActionMessage& message, std::int64_t now_us) {
   PlayerSession& session = *seat.session;
   // Each deed costs the regions work; faster than any hand it counts as looking around only.
-  seat.actions_left = std::min(
-      actions_burst, seat.actions_left + static_cast<double>(now_us - seat.actions_at_us) / 1e6 *
-                                             actions_per_s);
+  seat.actions_left =
+      std::min(actions_burst, seat.actions_left + static_cast<double>(now_us - seat.actions_at_us) /
+                                                      1e6 * actions_per_s);
   seat.actions_at_us = now_us;
-  if (seat.actions_left < 1) return session.input({message.seq, session.keys(), message.look}, now_us);
+  if (seat.actions_left < 1)
+    return session.input({message.seq, session.keys(), message.look}, now_us);
   seat.actions_left -= 1;
   BodyId target;
   if (message.action == PlayerAction::grab) {

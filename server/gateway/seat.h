@@ -19,8 +19,8 @@ struct PlayerHub::Seat {
   std::shared_ptr<PlayerSession> session;
   std::shared_ptr<PlayerView> view;
   std::string notice;
-  double actions_left = 0;           ///< Token bucket; see actions_per_s.
-  std::int64_t actions_at_us = 0;    ///< When the bucket was last filled.
+  double actions_left = 0;         ///< Token bucket; see actions_per_s.
+  std::int64_t actions_at_us = 0;  ///< When the bucket was last filled.
   std::optional<std::int64_t> avatar_missing_since_us;
 };
 

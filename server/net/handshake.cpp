@@ -18,8 +18,7 @@ SharedBytes make_hello(const PeerLinksOptions& self, Incarnation known, bool run
 
 SharedBytes make_refusal(const std::string& reason) {
   flatbuffers::FlatBufferBuilder builder(128);
-  const auto refusal =
-      wire::CreateRefusal(builder, builder.CreateString(reason.substr(0, 500)));
+  const auto refusal = wire::CreateRefusal(builder, builder.CreateString(reason.substr(0, 500)));
   return std::make_shared<const Bytes>(finish_frame(builder, refusal, FrameType::refusal));
 }
 
@@ -27,19 +26,20 @@ Result<Introduction> read_hello(const Frame& frame, const PeerLinksOptions& self
   const auto* hello = verified<wire::Hello>(frame.payload);
   if (hello == nullptr) return Error{"the first message is not a valid hello"};
   if (hello->protocol_version() != protocol_version)
-    return Error::format("protocol version {} cannot talk to version {}: run the same release everywhere",
-                         hello->protocol_version(), protocol_version);
+    return Error::format(
+        "protocol version {} cannot talk to version {}: run the same release everywhere",
+        hello->protocol_version(), protocol_version);
   if (hello->world_hash() != self.world_hash)
     return Error::format(
-        "it simulates another world than {}: start every server with the same world file and --regions",
+        "it simulates another world than {}: start every server with the same world file and "
+        "--regions",
         describe(self.self));
   if (hello->incarnation() == 0) return Error{"incarnation 0 in a hello; expected at least 1"};
   if (hello->id() >= PeerId::first_gateway)
     return Error::format("server number {} in a hello; expected less than {}", hello->id(),
                          PeerId::first_gateway);
-  const PeerId peer = hello->role() == wire::Role::region
-                          ? PeerId::region(RegionId{hello->id()})
-                          : PeerId::gateway(hello->id());
+  const PeerId peer = hello->role() == wire::Role::region ? PeerId::region(RegionId{hello->id()})
+                                                          : PeerId::gateway(hello->id());
   if (hello->role() != wire::Role::region && hello->role() != wire::Role::gateway)
     return Error::format("unknown role {} in a hello", static_cast<int>(hello->role()));
   if (peer == self.self)

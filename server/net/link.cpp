@@ -17,7 +17,9 @@ constexpr auto linger = std::chrono::milliseconds(500);
 }  // namespace
 
 Link::Link(boost::asio::ip::tcp::socket socket, std::size_t max_queued_bytes)
-    : socket_(std::move(socket)), linger_(socket_.get_executor()), max_queued_bytes_(max_queued_bytes) {
+    : socket_(std::move(socket)),
+      linger_(socket_.get_executor()),
+      max_queued_bytes_(max_queued_bytes) {
   boost::system::error_code ec;
   // Every frame is wanted now, not when a segment is full.
   socket_.set_option(boost::asio::ip::tcp::no_delay(true), ec);

@@ -46,8 +46,8 @@ class Link : public std::enable_shared_from_this<Link> {
   Events events_;
   FrameReader reader_;
   std::array<std::byte, 64 << 10> chunk_;
-  std::deque<SharedBytes> queue_;       ///< Not yet given to the socket.
-  std::deque<SharedBytes> in_flight_;   ///< Being written, several in one call.
+  std::deque<SharedBytes> queue_;      ///< Not yet given to the socket.
+  std::deque<SharedBytes> in_flight_;  ///< Being written, several in one call.
   std::size_t queued_bytes_ = 0;
   std::size_t max_queued_bytes_;
   bool closing_ = false;

@@ -161,8 +161,9 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
     if (stopped) return;
     // Servers that start together miss each other a few times; only a longer absence is news.
     if (why != dialler->last_failure && dialler->pause >= quiet_pause) {
-      spdlog::info("{} at {}:{} does not answer yet ({}); trying on", describe(dialler->address.peer),
-                   dialler->address.at.host, dialler->address.at.port, why);
+      spdlog::info("{} at {}:{} does not answer yet ({}); trying on",
+                   describe(dialler->address.peer), dialler->address.at.host,
+                   dialler->address.at.port, why);
       dialler->last_failure = why;
     }
     const auto pause = dialler->pause.count();
@@ -203,8 +204,7 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
             self->ended(link, *peer, dialler, reason);
         },
     });
-    if (dialler)
-      link->send(make_hello(options, met_before(dialler->address.peer), running()));
+    if (dialler) link->send(make_hello(options, met_before(dialler->address.peer), running()));
   }
 
   /// Judges the other side's first frame; sets `known`, or closes the link.
@@ -226,8 +226,8 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
                                    describe(introduction->peer), describe(dialler->address.peer));
     // Else a stranger under that name would take the place of the link that we keep up.
     if (introduction && !dialler && dials(introduction->peer))
-      introduction = Error::format("{} is dialled from here and does not dial",
-                                   describe(introduction->peer));
+      introduction =
+          Error::format("{} is dialled from here and does not dial", describe(introduction->peer));
     if (introduction && introduction->hello.incarnation < met_before(introduction->peer))
       introduction = Error::format("a newer start of {} is known", describe(introduction->peer));
     if (!introduction) {
@@ -331,9 +331,8 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
     for (const auto& [peer, established] : peers) links.push_back(established.link);
     for (const auto& link : links) {
       flatbuffers::FlatBufferBuilder builder(64);
-      link->send(std::make_shared<const Bytes>(
-          finish_frame(builder, wire::CreateTimeRequest(builder, monotonic_us()),
-                       FrameType::time_request)));
+      link->send(std::make_shared<const Bytes>(finish_frame(
+          builder, wire::CreateTimeRequest(builder, monotonic_us()), FrameType::time_request)));
     }
     measure_timer.expires_after(measured++ < measure_first_count ? measure_pause_first
                                                                  : measure_pause);
@@ -374,7 +373,9 @@ PeerLinks::PeerLinks(boost::asio::io_context& io, PeerLinksOptions options, Worl
                      Events events)
     : impl_(std::make_shared<Impl>(io, std::move(options), clock, std::move(events))) {}
 
-PeerLinks::~PeerLinks() { impl_->stop(); }
+PeerLinks::~PeerLinks() {
+  impl_->stop();
+}
 
 Result<std::uint16_t> PeerLinks::listen(const Endpoint& at) {
   error_code ec;
@@ -399,11 +400,17 @@ void PeerLinks::start() {
   }
 }
 
-void PeerLinks::stop() { impl_->stop(); }
+void PeerLinks::stop() {
+  impl_->stop();
+}
 
-void PeerLinks::send(PeerId to, SharedBytes frame) { impl_->send(to, std::move(frame)); }
+void PeerLinks::send(PeerId to, SharedBytes frame) {
+  impl_->send(to, std::move(frame));
+}
 
-bool PeerLinks::is_linked(PeerId peer) const { return impl_->peers.contains(peer); }
+bool PeerLinks::is_linked(PeerId peer) const {
+  return impl_->peers.contains(peer);
+}
 
 std::int64_t PeerLinks::round_trip_us(PeerId peer) const {
   const auto it = impl_->peers.find(peer);

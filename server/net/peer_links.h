@@ -1,4 +1,5 @@
-// Links to all servers that this one talks to: listening, dialling, hello, reconnecting, bounded queues.
+// Links to all servers that this one talks to: listening, dialling, hello, reconnecting, bounded
+// queues.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -38,9 +39,9 @@ struct PeerLinksOptions {
   PeerId self;
   Incarnation incarnation;
   std::uint64_t world_hash = 0;
-  std::vector<PeerAddress> dial;         ///< Dialled again for ever, 50 ms to 2 s apart.
-  /// Frames queued towards one peer; past it the link is reset, and whatever must not be lost is sent
-  /// again by the journal.
+  std::vector<PeerAddress> dial;  ///< Dialled again for ever, 50 ms to 2 s apart.
+  /// Frames queued towards one peer; past it the link is reset, and whatever must not be lost is
+  /// sent again by the journal.
   std::size_t max_queued_bytes = 64u << 20;
 };
 
@@ -60,7 +61,8 @@ class PeerLinks {
 
   /// `clock` is fed with samples of the reference (the linked region with the lowest id) and asked
   /// when others ask; it must outlive this.
-  PeerLinks(boost::asio::io_context& io, PeerLinksOptions options, WorldClock& clock, Events events);
+  PeerLinks(boost::asio::io_context& io, PeerLinksOptions options, WorldClock& clock,
+            Events events);
   ~PeerLinks();
 
   /// Starts to accept on `at`; port 0 picks one. Returns the port.

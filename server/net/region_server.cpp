@@ -1,4 +1,5 @@
-// The shell around a RegionCore: links feed it, a clock steps it, its outbox goes back to the links.
+// The shell around a RegionCore: links feed it, a clock steps it, its outbox goes back to the
+// links.
 #include "server/net/region_server.h"
 
 #include <spdlog/spdlog.h>
@@ -93,8 +94,8 @@ struct RegionServer::Impl {
       spdlog::error("{} is linked, but this world has {} regions", describe(peer), region_count);
       return;
     }
-    const bool knows_another_start = hello.known_incarnation != Incarnation{} &&
-                                     hello.known_incarnation != options.incarnation;
+    const bool knows_another_start =
+        hello.known_incarnation != Incarnation{} && hello.known_incarnation != options.incarnation;
     if (!begun && knows_another_start)
       return fail(fmt::format(
           "{} still knows an earlier start of r{}, whose bodies are gone: a lost region cannot be "
@@ -174,9 +175,10 @@ struct RegionServer::Impl {
     const std::uint64_t overruns = frames.overruns() - reported_overruns;
     const std::uint64_t skipped = skipped_ticks - reported_skipped;
     if (overruns + skipped > 0)
-      spdlog::warn("outside the frame-time tolerance: {} steps of the last 5 s took longer than 16 ms "
-                   "(the longest {:.1f} ms), {} ticks were left out, at tick {}",
-                   overruns, frames.max_ms(), skipped, next_tick.value);
+      spdlog::warn(
+          "outside the frame-time tolerance: {} steps of the last 5 s took longer than 16 ms "
+          "(the longest {:.1f} ms), {} ticks were left out, at tick {}",
+          overruns, frames.max_ms(), skipped, next_tick.value);
     reported_overruns = frames.overruns();
     reported_skipped = skipped_ticks;
   }
@@ -197,6 +199,8 @@ Result<std::uint16_t> RegionServer::start() {
   return port;
 }
 
-void RegionServer::stop() { impl_->stop(); }
+void RegionServer::stop() {
+  impl_->stop();
+}
 
 }  // namespace aureole

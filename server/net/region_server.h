@@ -23,8 +23,8 @@ struct RegionServerOptions {
   std::vector<PeerAddress> regions;
 };
 
-/// The world begins when all regions are linked; region 0 then sets the clock that the others follow.
-/// Runs wholly on the io_context's one thread.
+/// The world begins when all regions are linked; region 0 then sets the clock that the others
+/// follow. Runs wholly on the io_context's one thread.
 class RegionServer {
  public:
   /// `failed` is told once, in a sentence, when this server must not go on (its world runs without

@@ -24,10 +24,9 @@ void WorldClock::add_sample(std::int64_t sent_us, std::int64_t world_us, std::in
   const std::int64_t round_trip = heard_us - sent_us;
   samples_.push_back({round_trip, world_us + round_trip / 2 - heard_us, heard_us});
   if (samples_.size() > samples_kept) samples_.pop_front();
-  const auto best =
-      std::min_element(samples_.begin(), samples_.end(), [](const Sample& a, const Sample& b) {
-        return a.round_trip_us < b.round_trip_us;
-      });
+  const auto best = std::min_element(
+      samples_.begin(), samples_.end(),
+      [](const Sample& a, const Sample& b) { return a.round_trip_us < b.round_trip_us; });
   round_trip_us_ = best->round_trip_us;
 
   if (!offset_us_ || std::abs(best->offset_us - *offset_us_) > jump_us) {

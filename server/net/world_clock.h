@@ -1,4 +1,5 @@
-// World time on this machine: the local monotonic clock plus an offset learnt from a reference server.
+// World time on this machine: the local monotonic clock plus an offset learnt from a reference
+// server.
 #pragma once
 
 #include <cstdint>

@@ -48,7 +48,9 @@ Status AuraExchange::receive(RegionId from, std::span<const std::byte> payload) 
   const auto* message = verified<wire::Auras>(payload);
   if (message == nullptr) return Error{"an auras message is not valid"};
   Told told;
-  const auto too_many = [](const auto* list) { return list != nullptr && list->size() > max_auras; };
+  const auto too_many = [](const auto* list) {
+    return list != nullptr && list->size() > max_auras;
+  };
   if (too_many(message->auras()) || too_many(message->removed()) || too_many(message->pulls()))
     return Error::format("more than {} auras in one message", max_auras);
   if (message->auras() != nullptr) {
@@ -126,9 +128,9 @@ void AuraExchange::announce(Tick now, const MigrationDecision& decision) {
     const auto auras_at = builder.CreateVectorOfStructs(changed);
     const auto removed_at = builder.CreateVector(removed);
     const auto pulls_at = builder.CreateVector(asked);
-    peer.frame = std::make_shared<const Bytes>(finish_frame(
-        builder, wire::CreateAuras(builder, now.value, auras_at, removed_at, pulls_at),
-        FrameType::auras));
+    peer.frame = std::make_shared<const Bytes>(
+        finish_frame(builder, wire::CreateAuras(builder, now.value, auras_at, removed_at, pulls_at),
+                     FrameType::auras));
   }
 }
 

@@ -23,10 +23,11 @@ class AuraExchange {
   void link_up(RegionId peer);
   void link_down(RegionId peer);
 
-  /// Checks a FrameType::auras payload and remembers what it says until take_in(), in room that does
-  /// not grow with the number of messages; nothing of a bad one is taken.
+  /// Checks a FrameType::auras payload and remembers what it says until take_in(), in room that
+  /// does not grow with the number of messages; nothing of a bad one is taken.
   Status receive(RegionId from, std::span<const std::byte> payload);
-  /// From now on what has arrived counts. Returns what others asked us to hand over, ascending by body.
+  /// From now on what has arrived counts. Returns what others asked us to hand over, ascending by
+  /// body.
   std::vector<HandoverRequest> take_in();
   /// What others project to us now, ascending by body; one entry a body: of two servers that both
   /// claim it the lower number's.
@@ -57,9 +58,9 @@ class AuraExchange {
   };
   struct Peer {
     bool up = false;
-    std::map<BodyId, Sent> projected;      ///< What the peer knows of us.
-    std::map<BodyId, RemoteAura> theirs;   ///< What we know of the peer.
-    std::vector<BodyId> pulls;             ///< Of the newest message, until take_in().
+    std::map<BodyId, Sent> projected;     ///< What the peer knows of us.
+    std::map<BodyId, RemoteAura> theirs;  ///< What we know of the peer.
+    std::vector<BodyId> pulls;            ///< Of the newest message, until take_in().
     SharedBytes frame;
   };
   std::map<RegionId, Peer> peers_;

@@ -74,7 +74,8 @@ Eigen::Vector3f look_direction(float yaw, float pitch) {
 }
 
 float avatar_half_height(const BodyDefinition& definition) {
-  if (const auto* capsule = std::get_if<CapsuleShape>(&definition.shape)) return capsule->height / 2;
+  if (const auto* capsule = std::get_if<CapsuleShape>(&definition.shape))
+    return capsule->height / 2;
   return bounding_radius(definition.shape);
 }
 

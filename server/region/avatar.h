@@ -17,12 +17,12 @@ struct PlayerCommand {
   std::uint32_t session = 0;
   std::uint32_t sequence = 0;
   Kind kind = Kind::input;
-  std::uint8_t keys = 0;       ///< See Keys.
-  std::uint8_t item = 0;       ///< throw_body: 0 … 3
+  std::uint8_t keys = 0;  ///< See Keys.
+  std::uint8_t item = 0;  ///< throw_body: 0 … 3
   std::uint16_t gateway = 0;
-  BodyId target;               ///< grab: the body; join: the avatar if it should exist already
+  BodyId target;  ///< grab: the body; join: the avatar if it should exist already
   float yaw = 0, pitch = 0;
-  std::uint16_t spawn = 0;     ///< join, respawn
+  std::uint16_t spawn = 0;  ///< join, respawn
 };
 
 namespace keys {
@@ -39,10 +39,11 @@ struct Avatar {
   Tick lost_since;
   std::uint8_t keys = 0;
   float yaw = 0, pitch = 0;
-  std::uint32_t thrown = 0;             ///< Bodies thrown so far; names the next one.
+  std::uint32_t thrown = 0;  ///< Bodies thrown so far; names the next one.
   BodyId carried;
   float carried_distance_m = 2.2f;
-  std::map<std::uint32_t, PlayerCommand> waiting;  ///< Arrived ahead of their turn, at most max_waiting.
+  std::map<std::uint32_t, PlayerCommand>
+      waiting;  ///< Arrived ahead of their turn, at most max_waiting.
 
   static constexpr std::size_t max_waiting = 256;
   BodyId body() const { return BodyId::avatar(player); }
@@ -58,7 +59,7 @@ struct AvatarTuning {
   float eye_below_top_m = 0.2f;
   float carry_gain_per_s = 12.0f;
   float carry_speed_max_mps = 14.0f;
-  float carry_reach_m = 6.0f;      ///< Past it the body slips from the hand.
+  float carry_reach_m = 6.0f;  ///< Past it the body slips from the hand.
   float carry_mass_max_kg = 60.0f;
   float blast_radius_m = 9.0f;
   float blast_speed_mps = 13.0f;

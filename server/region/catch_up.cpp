@@ -7,7 +7,8 @@
 namespace aureole {
 namespace {
 
-/// Bodies of the host that the group can reach in the time to make up, where they were at its start.
+/// Bodies of the host that the group can reach in the time to make up, where they were at its
+/// start.
 std::vector<NewBody> obstacles_for(const HandoffGroup& group, const CatchUpSurroundings& around,
                                    float seconds) {
   std::set<BodyId> near;
@@ -70,7 +71,8 @@ void catch_up(HandoffGroup& group, const CatchUpSurroundings& around) {
       drive_avatar(scratch, avatar, around.tuning, avatar_half_height(definition));
     }
     scratch.step(tick_s);
-    // Whatever made the numbers burst (contacts come from outside), the group arrives as it was sent.
+    // Whatever made the numbers burst (contacts come from outside), the group arrives as it was
+    // sent.
     if (!may_all_travel(scratch, ids)) {
       group.contacts.clear();
       group.tick = around.host_tick;

@@ -14,7 +14,7 @@ namespace aureole {
 /// What a group may meet on its way.
 struct CatchUpSurroundings {
   std::span<const BodyDefinition> prototypes;
-  const PhysicsWorld& host;             ///< Its state is of tick `host_tick`.
+  const PhysicsWorld& host;  ///< Its state is of tick `host_tick`.
   Tick host_tick;
   std::span<const BlastEffect> blasts;  ///< Recent ones, by tick.
   const AvatarTuning& tuning;

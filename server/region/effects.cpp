@@ -12,8 +12,12 @@ Bytes encode_effects(const EffectsMessage& message) {
   flatbuffers::FlatBufferBuilder builder(256);
   std::vector<wire::Blast> blasts;
   for (const auto& b : message.blasts)
-    blasts.push_back({b.id, b.tick.value, {b.position.x, b.position.y, b.position.z}, b.radius_m,
-                      b.speed_mps, b.spared.value});
+    blasts.push_back({b.id,
+                      b.tick.value,
+                      {b.position.x, b.position.y, b.position.z},
+                      b.radius_m,
+                      b.speed_mps,
+                      b.spared.value});
   std::vector<std::uint64_t> removals;
   for (BodyId id : message.removals) removals.push_back(id.value);
   std::vector<wire::BodyRequest> requests;
@@ -68,8 +72,8 @@ void apply_blast(PhysicsWorld& world, const BlastEffect& blast) {
     if (id == blast.spared) continue;
     const BodyState state = world.state(id);
     // The push comes from a little below, so that things fly up instead of only sliding off.
-    Eigen::Vector3f away =
-        (state.position.vector() - blast.position.vector()).cast<float>() + Eigen::Vector3f(0, 1, 0);
+    Eigen::Vector3f away = (state.position.vector() - blast.position.vector()).cast<float>() +
+                           Eigen::Vector3f(0, 1, 0);
     const float distance = away.norm();
     if (distance >= blast.radius_m || distance < 1e-4f) continue;
     const float speed = blast.speed_mps * (1 - distance / blast.radius_m);

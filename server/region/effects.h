@@ -19,8 +19,8 @@ struct BlastEffect {
   Tick tick;
   WorldPosition position;
   float radius_m = 0;
-  float speed_mps = 0;   ///< Velocity change at the centre; falls linearly to 0 at the radius.
-  BodyId spared;         ///< The avatar that caused it.
+  float speed_mps = 0;  ///< Velocity change at the centre; falls linearly to 0 at the radius.
+  BodyId spared;        ///< The avatar that caused it.
 };
 
 /// A player reaches for a body that another region owns.
@@ -41,8 +41,8 @@ struct EffectsMessage {
 Bytes encode_effects(const EffectsMessage& message);
 Result<EffectsMessage> decode_effects(std::span<const std::byte> payload);
 
-/// Pushes the bodies of `world` that lie within the blast and wakes them. Light and heavy bodies fly
-/// alike: the game is in the flight, not in the mass.
+/// Pushes the bodies of `world` that lie within the blast and wakes them. Light and heavy bodies
+/// fly alike: the game is in the flight, not in the mass.
 void apply_blast(PhysicsWorld& world, const BlastEffect& blast);
 
 }  // namespace aureole

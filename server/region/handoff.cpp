@@ -13,16 +13,22 @@ namespace {
 
 /// Ticks on the wire are at most this far from 0, so that differences of ticks never overflow.
 constexpr std::int64_t tick_limit = std::int64_t{1} << 40;
-/// The contacts of a message take at most so many bytes; together with max_handoff_bodies bodies they
-/// fit a frame.
+/// The contacts of a message take at most so many bytes; together with max_handoff_bodies bodies
+/// they fit a frame.
 constexpr std::size_t contacts_bytes_max = 5u << 20;
 /// Heavier blows than between the heaviest and fastest bodies of any world are made up (N s).
 constexpr float impulse_max = 1e10f;
 
-bool is_tick(std::int64_t tick) { return tick >= -tick_limit && tick <= tick_limit; }
+bool is_tick(std::int64_t tick) {
+  return tick >= -tick_limit && tick <= tick_limit;
+}
 
-wire::Vec3 to_wire(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
-Eigen::Vector3f from_wire(const wire::Vec3& v) { return {v.x(), v.y(), v.z()}; }
+wire::Vec3 to_wire(const Eigen::Vector3f& v) {
+  return {v.x(), v.y(), v.z()};
+}
+Eigen::Vector3f from_wire(const wire::Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
 
 Bytes payload_of(flatbuffers::FlatBufferBuilder& builder) {
   const auto bytes = std::as_bytes(std::span(builder.GetBufferPointer(), builder.GetSize()));
@@ -30,17 +36,9 @@ Bytes payload_of(flatbuffers::FlatBufferBuilder& builder) {
 }
 
 wire::Command to_wire(const PlayerCommand& c) {
-  return {c.player.value,
-          c.session,
-          c.sequence,
-          static_cast<wire::CommandKind>(c.kind),
-          c.keys,
-          c.item,
-          c.gateway,
-          c.target.value,
-          c.yaw,
-          c.pitch,
-          c.spawn};
+  return {c.player.value, c.session, c.sequence, static_cast<wire::CommandKind>(c.kind),
+          c.keys,         c.item,    c.gateway,  c.target.value,
+          c.yaw,          c.pitch,   c.spawn};
 }
 
 Result<PlayerCommand> from_wire(const wire::Command& c) {
@@ -55,9 +53,17 @@ Result<PlayerCommand> from_wire(const wire::Command& c) {
     return Error::format("a command of session {}; expected at most {}", c.session(), session_max);
   const BodyId target{c.target()};
   if (target != BodyId{} && !target.valid()) return Error{"a command names a body that cannot be"};
-  return PlayerCommand{PlayerId{c.player()}, c.session(), c.sequence(),
-                       static_cast<PlayerCommand::Kind>(c.kind()), c.keys(), c.item(), c.gateway(),
-                       target, c.yaw(), c.pitch(), c.spawn()};
+  return PlayerCommand{PlayerId{c.player()},
+                       c.session(),
+                       c.sequence(),
+                       static_cast<PlayerCommand::Kind>(c.kind()),
+                       c.keys(),
+                       c.item(),
+                       c.gateway(),
+                       target,
+                       c.yaw(),
+                       c.pitch(),
+                       c.spawn()};
 }
 
 wire::HandoffBody to_wire(const HandoffGroup::Body& b) {
@@ -98,16 +104,35 @@ Result<HandoffGroup::Body> from_wire(const wire::HandoffBody& b, std::size_t pro
 }
 
 wire::HandoffPoint to_wire(const ContactPoint& p) {
-  return {to_wire(p.local_on_a), to_wire(p.local_on_b), to_wire(p.normal_on_b), p.distance,
-          p.impulse, p.impulse_lateral_1, p.impulse_lateral_2, to_wire(p.lateral_1),
-          to_wire(p.lateral_2), p.age_steps, p.flags, p.child_a, p.child_b};
+  return {to_wire(p.local_on_a),
+          to_wire(p.local_on_b),
+          to_wire(p.normal_on_b),
+          p.distance,
+          p.impulse,
+          p.impulse_lateral_1,
+          p.impulse_lateral_2,
+          to_wire(p.lateral_1),
+          to_wire(p.lateral_2),
+          p.age_steps,
+          p.flags,
+          p.child_a,
+          p.child_b};
 }
 
 Result<ContactPoint> from_wire(const wire::HandoffPoint& p) {
-  ContactPoint point{from_wire(p.local_on_a()), from_wire(p.local_on_b()),
-                     from_wire(p.normal_on_b()), p.distance(), p.impulse(), p.impulse_lateral_1(),
-                     p.impulse_lateral_2(), from_wire(p.lateral_1()), from_wire(p.lateral_2()),
-                     p.age_steps(), p.flags(), p.child_a(), p.child_b()};
+  ContactPoint point{from_wire(p.local_on_a()),
+                     from_wire(p.local_on_b()),
+                     from_wire(p.normal_on_b()),
+                     p.distance(),
+                     p.impulse(),
+                     p.impulse_lateral_1(),
+                     p.impulse_lateral_2(),
+                     from_wire(p.lateral_1()),
+                     from_wire(p.lateral_2()),
+                     p.age_steps(),
+                     p.flags(),
+                     p.child_a(),
+                     p.child_b()};
   const bool finite = point.local_on_a.allFinite() && point.local_on_b.allFinite() &&
                       point.normal_on_b.allFinite() && point.lateral_1.allFinite() &&
                       point.lateral_2.allFinite() && std::isfinite(point.distance) &&
@@ -122,9 +147,9 @@ Result<ContactPoint> from_wire(const wire::HandoffPoint& p) {
 Result<ContactManifold> from_wire(const wire::HandoffManifold& m, const HandoffGroup& group,
                                   std::size_t statics) {
   const auto in_group = [&](BodyId id) {
-    return std::binary_search(
-        group.bodies.begin(), group.bodies.end(), HandoffGroup::Body{{id, {}, {}}, 0},
-        [](const auto& a, const auto& b) { return a.body.id < b.body.id; });
+    return std::binary_search(group.bodies.begin(), group.bodies.end(),
+                              HandoffGroup::Body{{id, {}, {}}, 0},
+                              [](const auto& a, const auto& b) { return a.body.id < b.body.id; });
   };
   ContactManifold manifold;
   manifold.a = BodyId{m.a()};
@@ -198,7 +223,8 @@ bool may_travel(const ContactManifold& manifold) {
            std::abs(p.impulse_lateral_2) <= impulse_max && p.lateral_1.norm() <= 1.01f &&
            p.lateral_2.norm() <= 1.01f;
   };
-  return is_sane(manifold) && std::all_of(manifold.points.begin(), manifold.points.end(), is_possible);
+  return is_sane(manifold) &&
+         std::all_of(manifold.points.begin(), manifold.points.end(), is_possible);
 }
 
 Bytes encode_handoff(const HandoffGroup& group) {
@@ -218,9 +244,9 @@ Bytes encode_handoff(const HandoffGroup& group) {
     for (const auto& p : m.points) points.push_back(to_wire(p));
     const auto* body = std::get_if<BodyId>(&m.b);
     const auto* geometry = std::get_if<StaticId>(&m.b);
-    manifolds.push_back(wire::CreateHandoffManifold(
-        builder, m.a.value, body ? body->value : 0, geometry ? geometry->value : 0, m.ordinal,
-        builder.CreateVectorOfStructs(points)));
+    manifolds.push_back(wire::CreateHandoffManifold(builder, m.a.value, body ? body->value : 0,
+                                                    geometry ? geometry->value : 0, m.ordinal,
+                                                    builder.CreateVectorOfStructs(points)));
   }
 
   std::vector<flatbuffers::Offset<wire::HandoffPlayer>> players;
@@ -229,12 +255,12 @@ Bytes encode_handoff(const HandoffGroup& group) {
     for (const auto& [sequence, command] : a.waiting) waiting.push_back(to_wire(command));
     players.push_back(wire::CreateHandoffPlayer(
         builder, a.player.value, a.session, a.applied_sequence, a.gateway, a.connected,
-        a.lost_since.value, a.keys, a.yaw, a.pitch, a.thrown, a.carried.value,
-        a.carried_distance_m, builder.CreateVectorOfStructs(waiting)));
+        a.lost_since.value, a.keys, a.yaw, a.pitch, a.thrown, a.carried.value, a.carried_distance_m,
+        builder.CreateVectorOfStructs(waiting)));
   }
-  builder.Finish(wire::CreateHandoff(builder, group.tick.value, builder.CreateVectorOfStructs(bodies),
-                                     builder.CreateVector(manifolds),
-                                     builder.CreateVector(players)));
+  builder.Finish(
+      wire::CreateHandoff(builder, group.tick.value, builder.CreateVectorOfStructs(bodies),
+                          builder.CreateVector(manifolds), builder.CreateVector(players)));
   return payload_of(builder);
 }
 
@@ -270,9 +296,8 @@ Result<HandoffGroup> decode_handoff(std::span<const std::byte> payload, std::siz
     for (const auto* p : *message->players()) {
       auto avatar = from_wire(*p);
       if (!avatar) return avatar.error();
-      const bool aboard =
-          std::any_of(group.bodies.begin(), group.bodies.end(),
-                      [&](const auto& b) { return b.body.id == avatar->body(); });
+      const bool aboard = std::any_of(group.bodies.begin(), group.bodies.end(),
+                                      [&](const auto& b) { return b.body.id == avatar->body(); });
       if (!aboard) return Error{"a handoff carries a player without its avatar"};
       group.avatars.push_back(std::move(*avatar));
     }

@@ -99,7 +99,8 @@ std::vector<BodyId> Hosting::accept(const HandoffGroup& group, Tick now) {
   const auto is_taken = [&](BodyId id) { return std::binary_search(ids.begin(), ids.end(), id); };
   for (const auto& manifold : group.contacts) {
     const auto* other = std::get_if<BodyId>(&manifold.b);
-    if (is_taken(manifold.a) && (other == nullptr || is_taken(*other))) contacts.push_back(manifold);
+    if (is_taken(manifold.a) && (other == nullptr || is_taken(*other)))
+      contacts.push_back(manifold);
   }
   physics_.install_contacts(contacts);
   counts_.migrations_in += ids.size();

@@ -1,4 +1,5 @@
-// The bodies that this region simulates: their physics, their versions, and what gateways hear of them.
+// The bodies that this region simulates: their physics, their versions, and what gateways hear of
+// them.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +16,8 @@
 
 namespace aureole {
 
-/// Every body that is here is in the physics world, has a version and is published, and nothing else
-/// is: this class is the only one that adds and removes.
+/// Every body that is here is in the physics world, has a version and is published, and nothing
+/// else is: this class is the only one that adds and removes.
 class Hosting {
  public:
   Hosting(const WorldDefinition& world, RegionId self, Incarnation incarnation);
@@ -34,17 +35,18 @@ class Hosting {
   Tick changed_owner(BodyId id) const { return records_.at(id).changed_owner; }
   Version version(BodyId id) const { return {epoch(id), incarnation_, self_}; }
 
-  /// Bodies that come into the world here; those that are here already are left out. A name that is used again (a player who left comes back)
-  /// starts in a later epoch than it ended, or stores would take the newcomer for the one that is
-  /// gone.
+  /// Bodies that come into the world here; those that are here already are left out. A name that is
+  /// used again (a player who left comes back) starts in a later epoch than it ended, or stores
+  /// would take the newcomer for the one that is gone.
   void spawn(std::span<const NewBody> bodies, std::uint32_t epoch = 1);
   /// Takes bodies out of the world on purpose.
   void remove(std::span<const BodyId> ids);
 
-  /// Stops hosting the bodies and returns them with their contacts; avatars are the caller's matter.
+  /// Stops hosting the bodies and returns them with their contacts; avatars are the caller's
+  /// matter.
   HandoffGroup release(std::span<const BodyId> ids, Tick now);
-  /// Hosts the group's bodies from now on, one epoch after its sender. Returns the ids taken: bodies
-  /// that are held here already are counted as conflicts; of the two the later epoch stays.
+  /// Hosts the group's bodies from now on, one epoch after its sender. Returns the ids taken:
+  /// bodies that are held here already are counted as conflicts; of the two the later epoch stays.
   std::vector<BodyId> accept(const HandoffGroup& group, Tick now);
 
   struct Counts {

@@ -53,6 +53,8 @@ Result<Journal::Arrival> Journal::arrive(std::uint64_t sequence) {
   return Arrival::fresh;
 }
 
-bool Journal::take_acknowledgement_due() { return std::exchange(acknowledgement_due_, false); }
+bool Journal::take_acknowledgement_due() {
+  return std::exchange(acknowledgement_due_, false);
+}
 
 }  // namespace aureole

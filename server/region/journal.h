@@ -1,8 +1,8 @@
 // Messages that must arrive: kept by the sender until acknowledged, taken once by the receiver.
 //
 // TCP keeps order and loses what was in flight when a link is reset; what is in doubt then is sent
-// again from here, and the sequence tells the receiver what it has already taken. One journal serves
-// one pair of servers in both directions.
+// again from here, and the sequence tells the receiver what it has already taken. One journal
+// serves one pair of servers in both directions.
 #pragma once
 
 #include <cstdint>

@@ -116,13 +116,27 @@ void Players::apply(Avatar& avatar, const PlayerCommand& command, Tick now, bool
   avatar.yaw = command.yaw;
   avatar.pitch = command.pitch;
   switch (command.kind) {
-    case Kind::input: avatar.keys = command.keys; break;
-    case Kind::throw_body: throw_body(avatar, command, room, out); break;
-    case Kind::grab: grab(avatar, command.target, now, out); break;
-    case Kind::blast: blast(avatar, command, now, out); break;
-    case Kind::respawn: respawn(avatar.player, command.spawn); break;
-    case Kind::leave: remove_avatar(avatar.player, out); break;
-    case Kind::join: case Kind::lost: break;  // Handled above.
+    case Kind::input:
+      avatar.keys = command.keys;
+      break;
+    case Kind::throw_body:
+      throw_body(avatar, command, room, out);
+      break;
+    case Kind::grab:
+      grab(avatar, command.target, now, out);
+      break;
+    case Kind::blast:
+      blast(avatar, command, now, out);
+      break;
+    case Kind::respawn:
+      respawn(avatar.player, command.spawn);
+      break;
+    case Kind::leave:
+      remove_avatar(avatar.player, out);
+      break;
+    case Kind::join:
+    case Kind::lost:
+      break;  // Handled above.
   }
 }
 

@@ -1,4 +1,5 @@
-// The players whose avatars this region hosts: their commands, in order and once each, and their deeds.
+// The players whose avatars this region hosts: their commands, in order and once each, and their
+// deeds.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +18,8 @@ namespace aureole {
 
 /// What players' deeds ask of other regions; collected in a step, sent at its end.
 struct PlayerOutput {
-  EffectsMessage effects;                                     ///< To all regions.
-  std::map<RegionId, std::vector<PlayerCommand>> forwarded;   ///< Commands that follow their avatar.
+  EffectsMessage effects;                                    ///< To all regions.
+  std::map<RegionId, std::vector<PlayerCommand>> forwarded;  ///< Commands that follow their avatar.
 };
 
 class Players {
@@ -39,7 +40,8 @@ class Players {
 
   /// Takes the avatars among `ids` out, because their bodies leave for `to`.
   std::vector<Avatar> release(std::span<const BodyId> ids, RegionId to, Tick now);
-  /// Avatars that arrived with their bodies, and things that arrived because players reached for them.
+  /// Avatars that arrived with their bodies, and things that arrived because players reached for
+  /// them.
   void accept(std::vector<Avatar> avatars, std::span<const BodyId> arrived, Tick now, bool room,
               PlayerOutput& out);
   /// Bodies that are gone can be carried no longer.
@@ -83,12 +85,12 @@ class Players {
     std::uint32_t session;
     Tick when;
   };
-  std::map<PlayerId, Moved> moved_;      ///< Where avatars went that were here.
+  std::map<PlayerId, Moved> moved_;  ///< Where avatars went that were here.
   struct Reach {
     BodyId target;
     Tick since;
   };
-  std::map<PlayerId, Reach> reaching_;   ///< For bodies that other regions own.
+  std::map<PlayerId, Reach> reaching_;  ///< For bodies that other regions own.
 };
 
 }  // namespace aureole

@@ -1,7 +1,7 @@
 // One region's state machine: messages in, messages out, time as an argument.
 //
-// No sockets, threads, clocks, files or global random numbers. The TCP server and the simulation run
-// this same object, so that what is tested under faults is what runs in production.
+// No sockets, threads, clocks, files or global random numbers. The TCP server and the simulation
+// run this same object, so that what is tested under faults is what runs in production.
 #pragma once
 
 #include <cstdint>
@@ -50,11 +50,12 @@ struct RegionStatistics {
   std::uint64_t bodies = 0, awake = 0;
   std::uint64_t spawned = 0, removed = 0, removed_strays = 0;
   std::uint64_t migrations_in = 0, migrations_out = 0;
-  std::uint64_t version_conflicts = 0;   ///< Bodies that arrived while held here; 0 unless something is wrong.
-  std::uint64_t late_effects = 0;        ///< Blasts that came after their tick.
-  std::uint64_t catch_up_steps = 0;      ///< Steps made up for groups that came late.
-  std::uint64_t refused_bodies = 0;      ///< Not made because the world is full.
-  std::uint64_t unacknowledged = 0;      ///< Messages in the journals.
+  std::uint64_t version_conflicts =
+      0;  ///< Bodies that arrived while held here; 0 unless something is wrong.
+  std::uint64_t late_effects = 0;    ///< Blasts that came after their tick.
+  std::uint64_t catch_up_steps = 0;  ///< Steps made up for groups that came late.
+  std::uint64_t refused_bodies = 0;  ///< Not made because the world is full.
+  std::uint64_t unacknowledged = 0;  ///< Messages in the journals.
 };
 
 class RegionCore {
@@ -65,8 +66,8 @@ class RegionCore {
 
   void peer_up(PeerId peer, Incarnation incarnation);
   void peer_down(PeerId peer);
-  /// Validates and queues, does nothing else. After an Error the link must be closed; nothing of the
-  /// message has been taken.
+  /// Validates and queues, does nothing else. After an Error the link must be closed; nothing of
+  /// the message has been taken.
   Status receive(PeerId from, const Frame& frame);
   /// Exactly one step of 16 ms, to tick `now`, which must be later than the step before.
   void step(Tick now, const ShellMeasurements& measured = {});
@@ -132,16 +133,16 @@ class RegionCore {
   std::deque<Arrived> arrived_groups_;
   std::deque<std::pair<RegionId, EffectsMessage>> arrived_effects_;
   std::vector<PlayerCommand> arrived_commands_;
-  std::deque<BlastEffect> blasts_;                 ///< To come and recent, by tick.
-  std::map<BodyId, Tick> pending_removals_;        ///< Of bodies that may be on their way here.
+  std::deque<BlastEffect> blasts_;           ///< To come and recent, by tick.
+  std::map<BodyId, Tick> pending_removals_;  ///< Of bodies that may be on their way here.
   PlayerOutput player_output_;
   std::vector<Outgoing> outbox_;
-  std::vector<std::uint64_t> injected_;            ///< For each injector, how many it had made.
+  std::vector<std::uint64_t> injected_;  ///< For each injector, how many it had made.
   Tick last_tick_;
   Tick last_decision_{-decision_interval_ticks};
   std::uint64_t changes_at_decision_ = 0;
   bool started_ = false;
-  RegionStatistics extra_;                         ///< Only the counts that nobody else keeps.
+  RegionStatistics extra_;  ///< Only the counts that nobody else keeps.
 };
 
 }  // namespace aureole

@@ -34,8 +34,8 @@ std::span<const T> piece(const std::vector<T>& all, std::size_t n, std::size_t s
 void RegionCore::step(Tick now, const ShellMeasurements& measured) {
   AUREOLE_CHECK(!started_ || now > last_tick_, "time goes forwards");
   outbox_.clear();
-  // A region that was held up leaves ticks out; its bodies are then where they were at the last one,
-  // which is the present as far as arriving groups are concerned.
+  // A region that was held up leaves ticks out; its bodies are then where they were at the last
+  // one, which is the present as far as arriving groups are concerned.
   take_in(now);
   spawn(now);
   apply_blasts(now);
@@ -76,8 +76,7 @@ void RegionCore::take_in_groups(Tick now) {
     group.tick = present - steps;
     extra_.catch_up_steps += static_cast<std::uint64_t>(steps);
     const std::vector<BlastEffect> recent(blasts_.begin(), blasts_.end());
-    catch_up(group,
-             {hosting_.definitions(), hosting_.physics(), present, recent, AvatarTuning{}});
+    catch_up(group, {hosting_.definitions(), hosting_.physics(), present, recent, AvatarTuning{}});
     const std::vector<BodyId> taken = hosting_.accept(group, now);
     std::set<std::uint16_t> gateways;
     for (const Avatar& avatar : group.avatars) gateways.insert(avatar.gateway);
@@ -122,10 +121,10 @@ void RegionCore::schedule_blast(const BlastEffect& blast, Tick now) {
     timely.tick = now;
   }
   timely.tick = std::min(timely.tick, now + blast_ahead_ticks_max);
-  const auto at = std::upper_bound(
-      blasts_.begin(), blasts_.end(), timely, [](const BlastEffect& a, const BlastEffect& b) {
-        return std::pair(a.tick, a.id) < std::pair(b.tick, b.id);
-      });
+  const auto at = std::upper_bound(blasts_.begin(), blasts_.end(), timely,
+                                   [](const BlastEffect& a, const BlastEffect& b) {
+                                     return std::pair(a.tick, a.id) < std::pair(b.tick, b.id);
+                                   });
   blasts_.insert(at, timely);
 }
 
@@ -169,7 +168,8 @@ void RegionCore::spawn(Tick now) {
         ++extra_.refused_bodies;
         continue;
       }
-      born.push_back({BodyId::injected(static_cast<std::uint16_t>(i), n), body.prototype, body.state});
+      born.push_back(
+          {BodyId::injected(static_cast<std::uint16_t>(i), n), body.prototype, body.state});
     }
     injected_[i] = made;
   }
@@ -323,7 +323,8 @@ void RegionCore::publish(Tick now, const ShellMeasurements& measured) {
                          FrameType::acknowledge);
         outbox_.push_back({id, std::make_shared<const Bytes>(frame)});
       }
-      for (SharedBytes& frame : peer.journal.take_unsent()) outbox_.push_back({id, std::move(frame)});
+      for (SharedBytes& frame : peer.journal.take_unsent())
+        outbox_.push_back({id, std::move(frame)});
       if (SharedBytes auras = aura_exchange_.take_frame(id.as_region()))
         outbox_.push_back({id, std::move(auras)});
     } else if (peer.wants_whole_state) {

@@ -9,7 +9,9 @@
 namespace aureole {
 namespace {
 
-wire::Vec3 to_wire(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
+wire::Vec3 to_wire(const Eigen::Vector3f& v) {
+  return {v.x(), v.y(), v.z()};
+}
 wire::ReplicaVersion to_wire(const Version& v) {
   return {v.epoch, v.region.value, v.incarnation.value};
 }

@@ -1,4 +1,5 @@
-// What gateways hear of a region's bodies: full states when something changes, 20 bytes while they move.
+// What gateways hear of a region's bodies: full states when something changes, 20 bytes while they
+// move.
 #pragma once
 
 #include <cstdint>
@@ -28,12 +29,12 @@ struct RemovedBody {
   Version version;
 };
 
-/// One stream for all gateways; a gateway that joins is first sent the whole state. Bodies that sleep
-/// or do not leave their grid cell cost nothing.
+/// One stream for all gateways; a gateway that joins is first sent the whole state. Bodies that
+/// sleep or do not leave their grid cell cost nothing.
 class ReplicaPublisher {
  public:
-  /// Every moving body's full state is sent once in this many ticks, so that stores can be recovered
-  /// from; staggered by slot.
+  /// Every moving body's full state is sent once in this many ticks, so that stores can be
+  /// recovered from; staggered by slot.
   static constexpr std::int64_t key_interval_ticks = 64;
   static constexpr std::size_t keys_per_frame = 4096;
   /// 104 bytes each; the motions of a whole world and its removals still fit beside them.

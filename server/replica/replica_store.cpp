@@ -76,7 +76,8 @@ Status ReplicaStore::take(RegionId from, std::span<const std::byte> payload) {
   return Ok{};
 }
 
-/// What was removed while the link was down is told by nobody: it shows in what its owner leaves out.
+/// What was removed while the link was down is told by nobody: it shows in what its owner leaves
+/// out.
 void ReplicaStore::drop_untold(RegionId from, const Region& region) {
   for (const Place& place : order_) {
     const Body& body = bodies_[place.body];

@@ -108,7 +108,7 @@ class ReplicaStore {
     BodyId id;
     std::uint64_t stamp = 0;  ///< Slots that were bound under another stamp mean somebody else.
     KeyState key;
-    std::uint64_t link = 0;   ///< Of its owner, over which it was told last.
+    std::uint64_t link = 0;  ///< Of its owner, over which it was told last.
     bool asleep = false;
   };
   struct Region {

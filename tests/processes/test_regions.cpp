@@ -16,8 +16,10 @@ nlohmann::json body(std::vector<double> position, std::vector<double> velocity, 
   nlohmann::json shape = asleep ? nlohmann::json{{"type", "box"}, {"size", {1, 1, 1}}}
                                 : nlohmann::json{{"type", "sphere"}, {"radius", 0.3}};
   nlohmann::json b{{"body", {{"shape", shape}, {"mass_kg", 2}}}, {"position", position}};
-  if (asleep) b["asleep"] = true;
-  else b["velocity"] = velocity;
+  if (asleep)
+    b["asleep"] = true;
+  else
+    b["velocity"] = velocity;
   return b;
 }
 
@@ -75,9 +77,13 @@ void check_rolling(int regions) {
 
 }  // namespace
 
-TEST_CASE("balls roll between two region processes and none is lost or doubled") { check_rolling(2); }
+TEST_CASE("balls roll between two region processes and none is lost or doubled") {
+  check_rolling(2);
+}
 
-TEST_CASE("balls roll between four region processes and none is lost or doubled") { check_rolling(4); }
+TEST_CASE("balls roll between four region processes and none is lost or doubled") {
+  check_rolling(4);
+}
 
 TEST_CASE("a stack handed over asleep by one process stays asleep in another") {
   auto json = nlohmann::json::parse(R"({

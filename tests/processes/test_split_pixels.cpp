@@ -61,6 +61,7 @@ TEST_CASE("a sleeping scene split over one, two and four processes renders to th
   REQUIRE(picture(path, 2, view) == whole);
   REQUIRE(picture(path, 4, view) == whole);
   // Something is to be seen at all, and another view is another picture.
-  const std::string aside = "/api/frame.jpg?x=1.01&y=4&z=11&yaw=0.1&pitch=-0.3&w=640&h=360&format=ppm";
+  const std::string aside =
+      "/api/frame.jpg?x=1.01&y=4&z=11&yaw=0.1&pitch=-0.3&w=640&h=360&format=ppm";
   REQUIRE(picture(path, 1, aside) != whole);
 }

@@ -14,8 +14,8 @@
 
 namespace aureole::testing {
 
-/// A world with columns of `width` metres side by side from x = 0, flat ground, and one prototype of
-/// each: 0 ball (r 0.3), 1 box (1×1×1), 2 plank, 3 avatar.
+/// A world with columns of `width` metres side by side from x = 0, flat ground, and one prototype
+/// of each: 0 ball (r 0.3), 1 box (1×1×1), 2 plank, 3 avatar.
 WorldDefinition flat_world(int columns, double width = 50);
 
 /// Adds a body at rest or moving and returns its id.

@@ -56,8 +56,8 @@ WorldProcesses::WorldProcesses(std::filesystem::path world, int count, bool with
                                    "127.0.0.1:" + std::to_string(gateway_port_)};
   for (int i = 0; i < count; ++i) {
     const auto address = [&](int k) {
-      return "r" + std::to_string(k) + "=127.0.0.1:" +
-             std::to_string(ports_[static_cast<std::size_t>(k)]);
+      return "r" + std::to_string(k) +
+             "=127.0.0.1:" + std::to_string(ports_[static_cast<std::size_t>(k)]);
     };
     std::vector<std::string> region{"region", "--region", std::to_string(i), "--listen",
                                     address(i).substr(address(i).find('=') + 1)};
@@ -161,7 +161,8 @@ bool Watcher::watch(const std::function<bool()>& done, std::chrono::seconds limi
 
 void Watcher::watch_for(std::chrono::milliseconds time) {
   const auto end = Clock::now() + time;
-  watch([&] { return Clock::now() > end; }, std::chrono::duration_cast<std::chrono::seconds>(time) + 1s);
+  watch([&] { return Clock::now() > end; },
+        std::chrono::duration_cast<std::chrono::seconds>(time) + 1s);
 }
 
 bool Watcher::all_complete() const {
@@ -171,9 +172,9 @@ bool Watcher::all_complete() const {
 }
 
 void Watcher::command(RegionId to, const PlayerCommand& command) {
-  links_->send(PeerId::region(to), std::make_shared<const Bytes>(encode_frame(
-                                       FrameType::commands, 0,
-                                       encode_commands(std::span(&command, 1)))));
+  links_->send(PeerId::region(to),
+               std::make_shared<const Bytes>(
+                   encode_frame(FrameType::commands, 0, encode_commands(std::span(&command, 1)))));
 }
 
 std::filesystem::path temporary_file(const std::string& name, const std::string& text) {

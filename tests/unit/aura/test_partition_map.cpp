@@ -8,7 +8,9 @@ namespace {
 
 constexpr double inf = std::numeric_limits<double>::infinity();
 
-RegionId r(int i) { return RegionId{static_cast<std::uint16_t>(i)}; }
+RegionId r(int i) {
+  return RegionId{static_cast<std::uint16_t>(i)};
+}
 
 std::vector<RegionId> regions(std::initializer_list<int> list) {
   std::vector<RegionId> all;
@@ -62,7 +64,8 @@ TEST_CASE("columns neighbour only the columns beside them") {
 TEST_CASE("a shared corner is no boundary") {
   const auto map = quarters();
   for (const auto& b : map.boundaries()) {
-    const bool diagonal = (b.first == r(0) && b.second == r(3)) || (b.first == r(1) && b.second == r(2));
+    const bool diagonal =
+        (b.first == r(0) && b.second == r(3)) || (b.first == r(1) && b.second == r(2));
     REQUIRE_FALSE(diagonal);
   }
   REQUIRE(map.boundaries().size() == 4);

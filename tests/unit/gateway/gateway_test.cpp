@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "renderer/jpeg_encoder.h"
-#include "tests/support/catch.h"
 #include "server/gateway/view_client.h"
+#include "tests/support/catch.h"
 #include "tests/support/http_exchange.h"
 #include "tests/unit/gateway/fake_region.h"
 #include "tests/unit/gateway/small_world.h"

@@ -116,12 +116,14 @@ TEST_CASE("Pages of the same host may open a WebSocket, and programs without a p
 
 TEST_CASE("A request is taken apart, and HEAD is answered without its body") {
   EchoServer server;
-  const auto get = server.ask("GET /a/b?c=d HTTP/1.1\r\nHost: localhost:80\r\nConnection: close\r\n\r\n");
+  const auto get =
+      server.ask("GET /a/b?c=d HTTP/1.1\r\nHost: localhost:80\r\nConnection: close\r\n\r\n");
   REQUIRE(get.status == 200);
   REQUIRE(get.body == "/a/b|c=d|near");
   REQUIRE(get.head.find("ETag: \"tag\"") != std::string::npos);
   REQUIRE(get.head.find("nosniff") != std::string::npos);
-  const auto head = server.ask("HEAD /a/b?c=d HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+  const auto head =
+      server.ask("HEAD /a/b?c=d HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
   REQUIRE(head.status == 200);
   REQUIRE(head.body.empty());
   REQUIRE(head.head.find("Content-Length: 13") != std::string::npos);

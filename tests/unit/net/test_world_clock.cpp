@@ -1,4 +1,5 @@
-// World time learnt over links: exact on even trips, steady on uneven ones, never backwards in leaps.
+// World time learnt over links: exact on even trips, steady on uneven ones, never backwards in
+// leaps.
 #include <random>
 
 #include "server/net/world_clock.h"

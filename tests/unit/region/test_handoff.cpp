@@ -109,7 +109,8 @@ TEST_CASE("a group is neither lost nor doubled when the link is reset before it 
   REQUIRE(cluster.bodies_in_world() == 1);
 }
 
-TEST_CASE("a group is not doubled when the link is reset after it arrived, before the acknowledgement") {
+TEST_CASE(
+    "a group is not doubled when the link is reset after it arrived, before the acknowledgement") {
   auto world = flat_world(2);
   const BodyId id = put(world, ball, {49.9, 0.3, 0}, {6, 0, 0});
   RegionCluster cluster(world, 3);
@@ -255,7 +256,8 @@ TEST_CASE("an avatar's body that comes without its player is taken over by the p
   region.start();
   region.step();
   const PlayerId player{7};
-  REQUIRE(region.hand_over(BodyId::avatar(player), avatar_prototype, at({10, 0.95, 0}), region.now));
+  REQUIRE(
+      region.hand_over(BodyId::avatar(player), avatar_prototype, at({10, 0.95, 0}), region.now));
   region.step();
   PlayerCommand join;
   join.player = player;
@@ -283,8 +285,7 @@ TEST_CASE("more effects than fit one message are told in several that the other 
   region.step();
   HandoffGroup group;
   group.tick = region.now;
-  group.bodies.push_back(
-      {{BodyId::avatar(PlayerId{7}), avatar_prototype, at({10, 0.95, 0})}, 1});
+  group.bodies.push_back({{BodyId::avatar(PlayerId{7}), avatar_prototype, at({10, 0.95, 0})}, 1});
   group.avatars.emplace_back().player = PlayerId{7};
   group.avatars[0].thrown = 9'000;  // Throwing nine thousand things here would take long.
   REQUIRE(region.hear(FrameType::handoff, encode_handoff(group)));

@@ -97,15 +97,21 @@ TEST_CASE("a handoff comes back bit for bit") {
 TEST_CASE("a handoff with anything wrong in it is refused with a sentence") {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   REQUIRE(refusal([](auto&) {}).empty());
-  REQUIRE_FALSE(refusal([](auto& g) { g.bodies.clear(); g.avatars.clear(); g.contacts.clear(); }).empty());
+  REQUIRE_FALSE(refusal([](auto& g) {
+                  g.bodies.clear();
+                  g.avatars.clear();
+                  g.contacts.clear();
+                }).empty());
   REQUIRE_FALSE(refusal([](auto& g) { g.bodies[0].body.id = BodyId{5}; }).empty());
   REQUIRE_FALSE(refusal([](auto& g) { std::swap(g.bodies[0], g.bodies[1]); }).empty());
   REQUIRE_FALSE(refusal([](auto& g) { g.bodies[1].body.prototype = PrototypeId{4}; }).empty());
   REQUIRE_FALSE(refusal([](auto& g) { g.bodies[1].body.state.position.y = NAN; }).empty());
-  REQUIRE_FALSE(refusal([&](auto& g) { g.bodies[1].body.state.linear_velocity.x() = nan; }).empty());
-  REQUIRE_FALSE(refusal([](auto& g) { g.bodies[1].body.state.orientation.coeffs() *= 2; }).empty());
   REQUIRE_FALSE(
-      refusal([](auto& g) { g.bodies[1].body.state.activation = static_cast<Activation>(3); }).empty());
+      refusal([&](auto& g) { g.bodies[1].body.state.linear_velocity.x() = nan; }).empty());
+  REQUIRE_FALSE(refusal([](auto& g) { g.bodies[1].body.state.orientation.coeffs() *= 2; }).empty());
+  REQUIRE_FALSE(refusal([](auto& g) {
+                  g.bodies[1].body.state.activation = static_cast<Activation>(3);
+                }).empty());
   REQUIRE_FALSE(refusal([](auto& g) { g.contacts[0].b = BodyId::world(99); }).empty());
   REQUIRE_FALSE(refusal([](auto& g) { g.contacts[0].a = BodyId::world(99); }).empty());
   REQUIRE_FALSE(refusal([](auto& g) { g.contacts[1].b = StaticId{4}; }).empty());
@@ -117,8 +123,10 @@ TEST_CASE("a handoff with anything wrong in it is refused with a sentence") {
   REQUIRE_FALSE(refusal([&](auto& g) { g.avatars[0].yaw = nan; }).empty());
   REQUIRE_FALSE(refusal([](auto& g) { g.tick = Tick{INT64_MIN}; }).empty());
   REQUIRE_FALSE(refusal([](auto& g) { g.bodies[1].body.state.position.x = 1e300; }).empty());
-  REQUIRE_FALSE(refusal([](auto& g) { g.bodies[1].body.state.linear_velocity.x() = 3e38f; }).empty());
-  REQUIRE_FALSE(refusal([](auto& g) { g.bodies[1].body.state.angular_velocity.x() = 3e38f; }).empty());
+  REQUIRE_FALSE(
+      refusal([](auto& g) { g.bodies[1].body.state.linear_velocity.x() = 3e38f; }).empty());
+  REQUIRE_FALSE(
+      refusal([](auto& g) { g.bodies[1].body.state.angular_velocity.x() = 3e38f; }).empty());
   REQUIRE_FALSE(refusal([](auto& g) { g.contacts[0].points[0].impulse = 3e38f; }).empty());
   REQUIRE_FALSE(refusal([](auto& g) { g.contacts[0].points[0].normal_on_b *= 2; }).empty());
   REQUIRE_FALSE(refusal([](auto& g) { g.contacts[0].points[1].lateral_2 = {9, 0, 0}; }).empty());
@@ -145,8 +153,9 @@ TEST_CASE("no cut or flipped byte of a handoff does more than be refused") {
 }
 
 TEST_CASE("commands and effects come back as they were, and are refused when they cannot be") {
-  PlayerCommand command{PlayerId{9}, 3, 4, PlayerCommand::Kind::grab, keys::jump, 2, 1,
-                        BodyId::world(4), 1.5f, -0.5f, 6};
+  PlayerCommand command{PlayerId{9}, 3,     4, PlayerCommand::Kind::grab,
+                        keys::jump,  2,     1, BodyId::world(4),
+                        1.5f,        -0.5f, 6};
   auto back = decode_commands(encode_commands(std::span(&command, 1)));
   REQUIRE(back);
   REQUIRE(back->size() == 1);

@@ -6,7 +6,9 @@ using namespace aureole;
 
 namespace {
 
-Bytes text(char c) { return Bytes(8, static_cast<std::byte>(c)); }
+Bytes text(char c) {
+  return Bytes(8, static_cast<std::byte>(c));
+}
 
 std::vector<std::uint64_t> sequences(const std::vector<SharedBytes>& frames) {
   std::vector<std::uint64_t> all;

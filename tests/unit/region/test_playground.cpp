@@ -49,11 +49,13 @@ TEST_CASE("the domino ring topples through all four regions, in order, and no sl
     REQUIRE(cluster.faults().empty());
   }
   for (std::size_t i = 0; i < fell[0].size(); ++i) {
-    INFO("domino " << i << ": tick " << fell[0][i] << " on one server, " << fell[1][i] << " on four");
+    INFO("domino " << i << ": tick " << fell[0][i] << " on one server, " << fell[1][i]
+                   << " on four");
     REQUIRE(fell[0][i] >= 0);
     REQUIRE(fell[1][i] >= 0);
     if (i > 0) REQUIRE(fell[1][i] >= fell[1][i - 1]);
-    // A chain amplifies the smallest difference; half a second after 20 s of toppling is a tick in 40.
+    // A chain amplifies the smallest difference; half a second after 20 s of toppling is a tick
+    // in 40.
     REQUIRE(std::abs(fell[1][i] - fell[0][i]) <= 32);
   }
 }
@@ -80,8 +82,10 @@ TEST_CASE("the playground comes to rest by itself and then owners change no more
 TEST_CASE("a blast at the four-way corner moves bodies of all four regions") {
   auto world = flat_world(1);
   const double inf = std::numeric_limits<double>::infinity();
-  world.regions = {{"a", {-inf, -inf, 0, 0}}, {"b", {0, -inf, inf, 0}},
-                   {"c", {-inf, 0, 0, inf}}, {"d", {0, 0, inf, inf}}};
+  world.regions = {{"a", {-inf, -inf, 0, 0}},
+                   {"b", {0, -inf, inf, 0}},
+                   {"c", {-inf, 0, 0, inf}},
+                   {"d", {0, 0, inf, inf}}};
   world.spawn_points = {{{-0.5, 0.95, -0.5}, 0}};
   std::vector<BodyId> balls;
   for (const double x : {-4.0, 4.0})
@@ -105,9 +109,12 @@ TEST_CASE("a blast at the four-way corner moves bodies of all four regions") {
   }
 }
 
-TEST_CASE("while the tower on the corner is shot to pieces nobody changes owner more than twice a second") {
+TEST_CASE(
+    "while the tower on the corner is shot to pieces nobody changes owner more than twice a "
+    "second") {
   WorldDefinition world = playground({});
-  // Heavy balls from two sides, one after the other, into the tower that stands on all four regions.
+  // Heavy balls from two sides, one after the other, into the tower that stands on all four
+  // regions.
   const PrototypeId heavy = world.throwables[1].prototype;
   for (int i = 0; i < 12; ++i) {
     const float side = i % 2 ? 1.0f : -1.0f;
@@ -137,7 +144,8 @@ TEST_CASE("while the tower on the corner is shot to pieces nobody changes owner 
       }
       REQUIRE(cluster.bodies_in_world() == world.bodies.size());
     }
-    INFO("delay " << delay << ": " << moves << " changes of owner, at most " << most << " a second");
+    INFO("delay " << delay << ": " << moves << " changes of owner, at most " << most
+                  << " a second");
     CHECK(moves > 0);
     CHECK(most <= 2);
   }

@@ -21,8 +21,7 @@ const wire::ReplicaUpdate* update_for_gateway(RegionCore& core, Frame& keep) {
 
 TEST_CASE("a new gateway is sent every body once, and a sleeping world costs nothing afterwards") {
   auto world = flat_world(1);
-  for (int i = 0; i < 10; ++i)
-    put(world, box, {2.0 * i, 0.5, 0}, {0, 0, 0}, Activation::asleep);
+  for (int i = 0; i < 10; ++i) put(world, box, {2.0 * i, 0.5, 0}, {0, 0, 0}, Activation::asleep);
   RegionCluster cluster(world);
   Frame frame;
   cluster.step();
