@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "renderer/mesh.h"
+#include "renderer/mesh/mesh.h"
 #include "renderer/scene.h"
 #include "renderer/shadows.h"
 

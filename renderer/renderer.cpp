@@ -9,9 +9,9 @@
 
 #include "renderer/culling.h"
 #include "renderer/draw_list.h"
-#include "renderer/gpu_geometry.h"
-#include "renderer/render_targets.h"
-#include "renderer/shaders.h"
+#include "renderer/gl/gpu_geometry.h"
+#include "renderer/gl/render_targets.h"
+#include "renderer/gl/shaders.h"
 
 namespace aureole::render {
 namespace {

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "renderer/mesh.h"
-#include "renderer/offscreen_context.h"
+#include "renderer/gl/offscreen_context.h"
+#include "renderer/mesh/mesh.h"
 #include "renderer/outcome.h"
 #include "renderer/pixels.h"
 #include "renderer/scene.h"

@@ -9,10 +9,10 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "renderer/offscreen_context.h"
-#include "renderer/render_bench.h"
+#include "renderer/bench/render_bench.h"
+#include "renderer/gl/offscreen_context.h"
 #include "server/commands/commands.h"
-#include "server/gateway/view_client.h"
+#include "server/gateway/web/view_client.h"
 
 namespace aureole {
 namespace {

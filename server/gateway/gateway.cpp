@@ -7,11 +7,11 @@
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
 
-#include "server/gateway/api.h"
-#include "server/gateway/http_server.h"
-#include "server/gateway/picture_maker.h"
-#include "server/gateway/player_hub.h"
-#include "server/gateway/static_files.h"
+#include "server/gateway/pictures/picture_maker.h"
+#include "server/gateway/players/player_hub.h"
+#include "server/gateway/web/api.h"
+#include "server/gateway/web/http_server.h"
+#include "server/gateway/web/static_files.h"
 
 namespace aureole {
 namespace {

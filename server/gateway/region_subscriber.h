@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "protocol/wire.h"
-#include "server/gateway/draw_clock.h"
+#include "server/gateway/pictures/draw_clock.h"
 #include "server/net/peer_links.h"
 #include "server/net/world_clock.h"
 #include "server/replica/replica_store.h"

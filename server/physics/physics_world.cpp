@@ -8,11 +8,11 @@
 
 #include "server/base/check.h"
 #include "server/base/hash.h"
-#include "server/physics/bullet_contacts.h"
-#include "server/physics/bullet_conversions.h"
-#include "server/physics/bullet_queries.h"
-#include "server/physics/bullet_shapes.h"
-#include "server/physics/bullet_world.h"
+#include "server/physics/bullet/bullet_contacts.h"
+#include "server/physics/bullet/bullet_conversions.h"
+#include "server/physics/bullet/bullet_queries.h"
+#include "server/physics/bullet/bullet_shapes.h"
+#include "server/physics/bullet/bullet_world.h"
 
 namespace aureole {
 

@@ -10,7 +10,7 @@
 #include "server/base/ids.h"
 #include "server/base/tick.h"
 #include "server/physics/physics_world.h"
-#include "server/region/handoff.h"
+#include "server/region/handoff/handoff.h"
 #include "server/region/replica_publisher.h"
 #include "server/worlds/world.h"
 

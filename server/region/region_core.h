@@ -18,11 +18,11 @@
 #include "server/base/result.h"
 #include "server/base/tick.h"
 #include "server/region/aura_exchange.h"
-#include "server/region/effects.h"
-#include "server/region/handoff.h"
+#include "server/region/handoff/handoff.h"
+#include "server/region/handoff/journal.h"
 #include "server/region/hosting.h"
-#include "server/region/journal.h"
-#include "server/region/players.h"
+#include "server/region/players/effects.h"
+#include "server/region/players/players.h"
 #include "server/worlds/world.h"
 
 namespace aureole {

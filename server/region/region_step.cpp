@@ -4,7 +4,7 @@
 
 #include "protocol/wire.h"
 #include "server/base/check.h"
-#include "server/region/catch_up.h"
+#include "server/region/handoff/catch_up.h"
 #include "server/region/region_core.h"
 #include "server/worlds/injector.h"
 

@@ -14,7 +14,7 @@
 #include "server/base/ids.h"
 #include "server/base/tick.h"
 #include "server/physics/physics_world.h"
-#include "server/region/avatar.h"
+#include "server/region/players/avatar.h"
 
 namespace aureole {
 

@@ -2,9 +2,9 @@
 #include "server/worlds/world_file.h"
 
 #include "server/base/check.h"
-#include "server/worlds/arrangement.h"
+#include "server/worlds/reading/arrangement.h"
+#include "server/worlds/reading/world_parts.h"
 #include "server/worlds/region_tiling.h"
-#include "server/worlds/world_parts.h"
 
 namespace aureole {
 namespace {

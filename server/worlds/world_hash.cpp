@@ -1,6 +1,6 @@
 // One number for a whole world: servers that disagree in anything that matters refuse each other.
 #include "server/base/hash.h"
-#include "server/worlds/world_parts.h"
+#include "server/worlds/reading/world_parts.h"
 
 namespace aureole {
 namespace {

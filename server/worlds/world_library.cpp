@@ -3,7 +3,7 @@
 #include <fstream>
 #include <system_error>
 
-#include "server/worlds/json_reader.h"
+#include "server/worlds/reading/json_reader.h"
 #include "server/worlds/world_file.h"
 
 namespace aureole {

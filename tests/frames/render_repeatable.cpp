@@ -3,8 +3,8 @@
 #include <array>
 #include <thread>
 
+#include "renderer/bench/render_bench.h"
 #include "renderer/jpeg_encoder.h"
-#include "renderer/render_bench.h"
 #include "tests/frames/render_scene.h"
 #include "tests/support/catch.h"
 

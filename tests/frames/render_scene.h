@@ -4,7 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include "renderer/demo_scene.h"
+#include "renderer/bench/demo_scene.h"
 #include "renderer/renderer.h"
 #include "tests/support/compare_images.h"
 

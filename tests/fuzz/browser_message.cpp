@@ -2,7 +2,7 @@
 #include <cmath>
 #include <string>
 
-#include "server/gateway/browser_messages.h"
+#include "server/gateway/web/browser_messages.h"
 #include "tests/fuzz/fuzz_target.h"
 
 using namespace aureole;

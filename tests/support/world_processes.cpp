@@ -12,7 +12,7 @@
 
 #include "server/ops/http_get.h"
 #include "server/ops/ports.h"
-#include "server/region/handoff.h"
+#include "server/region/handoff/handoff.h"
 
 namespace aureole::testing {
 namespace {

@@ -12,7 +12,7 @@
 
 #include "server/net/peer_links.h"
 #include "server/play/child_process.h"
-#include "server/region/avatar.h"
+#include "server/region/players/avatar.h"
 #include "server/replica/replica_store.h"
 #include "server/worlds/world.h"
 

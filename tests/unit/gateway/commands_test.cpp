@@ -1,8 +1,8 @@
 // Commands: in order, exactly once, through losses, handoffs and rebuilt regions.
 #include <map>
 
-#include "server/gateway/command_stream.h"
-#include "server/gateway/player_session.h"
+#include "server/gateway/players/command_stream.h"
+#include "server/gateway/players/player_session.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "renderer/jpeg_encoder.h"
-#include "server/gateway/view_client.h"
+#include "server/gateway/web/view_client.h"
 #include "tests/support/catch.h"
 #include "tests/support/http_exchange.h"
 #include "tests/unit/gateway/fake_region.h"

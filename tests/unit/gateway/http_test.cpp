@@ -1,5 +1,5 @@
 // HTTP: the page's files and nothing else, odd requests, and who may open a WebSocket.
-#include "server/gateway/http_server.h"
+#include "server/gateway/web/http_server.h"
 
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/post.hpp>
@@ -7,8 +7,8 @@
 #include <fstream>
 #include <thread>
 
-#include "server/gateway/api.h"
-#include "server/gateway/static_files.h"
+#include "server/gateway/web/api.h"
+#include "server/gateway/web/static_files.h"
 #include "tests/support/catch.h"
 #include "tests/support/http_exchange.h"
 

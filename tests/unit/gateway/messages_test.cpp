@@ -1,10 +1,10 @@
 // What browsers may say, what they may not, and what they are told.
-#include "server/gateway/browser_messages.h"
+#include "server/gateway/web/browser_messages.h"
 
 #include <cmath>
 #include <numbers>
 
-#include "server/gateway/player_token.h"
+#include "server/gateway/players/player_token.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;

@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <deque>
 
-#include "server/gateway/draw_clock.h"
-#include "server/gateway/picture_pacing.h"
+#include "server/gateway/pictures/draw_clock.h"
+#include "server/gateway/pictures/picture_pacing.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;

@@ -1,5 +1,5 @@
 // What the crosshair finds.
-#include "server/gateway/picking.h"
+#include "server/gateway/players/picking.h"
 
 #include <cmath>
 #include <numbers>

@@ -1,5 +1,5 @@
 // Render threads with a maker that draws nothing.
-#include "server/gateway/render_pool.h"
+#include "server/gateway/pictures/render_pool.h"
 
 #include <atomic>
 #include <condition_variable>

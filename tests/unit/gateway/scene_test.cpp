@@ -1,5 +1,5 @@
 // From replicas to scenes.
-#include "server/gateway/scene_builder.h"
+#include "server/gateway/pictures/scene_builder.h"
 
 #include "tests/support/catch.h"
 #include "tests/unit/gateway/small_world.h"

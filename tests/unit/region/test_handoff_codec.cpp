@@ -4,8 +4,8 @@
 #include <limits>
 #include <random>
 
-#include "server/region/effects.h"
-#include "server/region/handoff.h"
+#include "server/region/handoff/handoff.h"
+#include "server/region/players/effects.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;

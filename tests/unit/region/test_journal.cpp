@@ -1,5 +1,5 @@
 // Messages that must arrive: repeats, resets, restarts.
-#include "server/region/journal.h"
+#include "server/region/handoff/journal.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;

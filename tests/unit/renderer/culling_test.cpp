@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "renderer/mesh.h"
+#include "renderer/mesh/mesh.h"
 #include "tests/support/catch.h"
 
 namespace aureole::render {

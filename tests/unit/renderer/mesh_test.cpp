@@ -4,8 +4,8 @@
 #include <tuple>
 #include <utility>
 
-#include "renderer/convex_hull.h"
-#include "renderer/mesh.h"
+#include "renderer/mesh/convex_hull.h"
+#include "renderer/mesh/mesh.h"
 #include "tests/support/catch.h"
 
 namespace aureole::render {

@@ -1,7 +1,7 @@
 // Each array construct: how many bodies, where, and how they are turned.
 #include <cmath>
 
-#include "server/worlds/arrangement.h"
+#include "server/worlds/reading/arrangement.h"
 #include "tests/support/catch.h"
 #include "tests/unit/worlds/small_world.h"
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "protocol/quantise.h"
-#include "server/worlds/body_reader.h"
+#include "server/worlds/reading/body_reader.h"
 #include "tests/support/catch.h"
 #include "tests/unit/worlds/small_world.h"
 

@@ -1,7 +1,7 @@
 // The JSON reader against hostile text.
 #include <string>
 
-#include "server/worlds/json_reader.h"
+#include "server/worlds/reading/json_reader.h"
 #include "tests/support/catch.h"
 #include "tests/unit/worlds/small_world.h"
 

@@ -1,7 +1,7 @@
 // Volumes, centres of mass and reach, against closed forms.
 #include <numbers>
 
-#include "server/worlds/shape_measure.h"
+#include "server/worlds/reading/shape_measure.h"
 #include "tests/support/catch.h"
 
 namespace aureole {

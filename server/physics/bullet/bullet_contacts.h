@@ -1,0 +1,26 @@
+// Contacts out of and into a Bullet world, with the impulses that the solver had found.
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "server/physics/bullet/bullet_world.h"
+
+namespace aureole {
+
+/// One contact and the two Bullet objects that it is about; null where one is not in this world.
+struct CarriedContact {
+  btCollisionObject* a;
+  btCollisionObject* b;
+  const ContactManifold* manifold;
+};
+
+/// Contacts among `group` and between it and static geometry, sorted by (a, b, ordinal).
+std::vector<ContactManifold> extract_contacts(BulletWorld& world,
+                                              std::span<BulletBody* const> group);
+
+/// Makes sure that each pair has been looked at, asleep or not, then replaces its points.
+void install_contacts(BulletWorld& world, std::vector<CarriedContact> carried);
+
+}  // namespace aureole

@@ -1,0 +1,127 @@
+// Who is in the Bullet world: bodies come with their boxes, leave with their pairs, are moved by
+// hand.
+#include <LinearMath/btAabbUtil2.h>
+
+#include "server/physics/bullet/bullet_queries.h"
+#include "server/physics/bullet/bullet_world.h"
+
+namespace aureole {
+namespace {
+
+/// Bullet's boxes are this much wider than the bodies, so that contacts exist before they overlap.
+btVector3 contact_margin() {
+  return {gContactBreakingThreshold, gContactBreakingThreshold, gContactBreakingThreshold};
+}
+
+}  // namespace
+
+bool has_contact_points(const btBroadphasePair& pair, btManifoldArray& scratch) {
+  if (!pair.m_algorithm) return false;
+  scratch.resize(0);
+  pair.m_algorithm->getAllContactManifolds(scratch);
+  for (int i = 0; i < scratch.size(); ++i)
+    if (scratch[i]->getNumContacts() > 0) return true;
+  return false;
+}
+
+void BulletWorld::insert_object(btCollisionObject& object, Mobility mobility) {
+  // What nothing moves need not be tested against its like.
+  const bool fixed = mobility == Mobility::fixed;
+  const int filter_group =
+      fixed ? btBroadphaseProxy::StaticFilter : btBroadphaseProxy::DefaultFilter;
+  const int filter_mask = fixed ? btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter
+                                : btBroadphaseProxy::AllFilter;
+  btCollisionObjectArray& objects = world_.getCollisionObjectArray();
+  object.setWorldArrayIndex(objects.size());
+  objects.push_back(&object);
+  // With its margin at once: a sleeping body's box is not looked at again, and two that rest on
+  // each other need not overlap by themselves.
+  btVector3 low, high;
+  object.getCollisionShape()->getAabb(object.getWorldTransform(), low, high);
+  object.setBroadphaseHandle(broadphase_.createProxy(
+      low - contact_margin(), high + contact_margin(), object.getCollisionShape()->getShapeType(),
+      &object, filter_group, filter_mask, &dispatcher_));
+}
+
+void BulletWorld::insert(BulletBody& body) {
+  if (body.obstacle) {
+    obstacles_.push_back(&body);
+    insert_object(body.rigid, Mobility::fixed);
+    return;
+  }
+  body.non_static_index = world_.moving().size();
+  world_.moving().push_back(&body.rigid);
+  insert_object(body.rigid, Mobility::moving);
+}
+
+void BulletWorld::take_out(BulletBody& body) {
+  if (body.obstacle) {
+    std::erase(obstacles_, &body);
+  } else {
+    auto& moving = world_.moving();
+    btRigidBody* last = moving[moving.size() - 1];
+    moving[body.non_static_index] = last;
+    body_of(last)->non_static_index = body.non_static_index;
+    moving.pop_back();
+    body.non_static_index = -1;
+  }
+  world_.btCollisionWorld::removeCollisionObject(&body.rigid);
+  body.marked = false;
+}
+
+void BulletWorld::erase(std::span<BulletBody* const> group) {
+  for (BulletBody* body : group) body->marked = true;
+  const auto is_marked = [](const btCollisionObject* object) {
+    const BulletBody* body = body_of(object);
+    return body && body->marked;
+  };
+  btManifoldArray scratch;
+  btBroadphasePairArray& all = pairs_.getOverlappingPairArray();
+  for (int i = 0; i < all.size();) {
+    const btBroadphasePair& pair = all[i];
+    btBroadphaseProxy* const first = pair.m_pProxy0;
+    btBroadphaseProxy* const second = pair.m_pProxy1;
+    const bool first_leaves = is_marked(object_of(first));
+    const bool second_leaves = is_marked(object_of(second));
+    if (!first_leaves && !second_leaves) {
+      ++i;
+      continue;
+    }
+    BulletBody* stays = body_of(object_of(first_leaves ? second : first));
+    // Two that arrived asleep have never been looked at: overlapping boxes count as touching.
+    if (stays && !stays->marked && !stays->obstacle &&
+        (has_contact_points(pair, scratch) ||
+         (!pair.m_algorithm && TestAabbAgainstAabb2(first->m_aabbMin, first->m_aabbMax,
+                                                    second->m_aabbMin, second->m_aabbMax))))
+      stays->rigid.activate(true);
+    pairs_.removeOverlappingPair(first, second, &dispatcher_);  // the last pair takes place i
+  }
+  for (BulletBody* body : group) take_out(*body);
+}
+
+void BulletWorld::erase_all(std::span<BulletBody* const> all) {
+  btBroadphasePairArray& pairs = pairs_.getOverlappingPairArray();
+  while (pairs.size() > 0) {
+    const btBroadphasePair& last = pairs[pairs.size() - 1];
+    pairs_.removeOverlappingPair(last.m_pProxy0, last.m_pProxy1, &dispatcher_);
+  }
+  for (BulletBody* body : all) take_out(*body);
+}
+
+void BulletWorld::moved_by_hand(BulletBody& body) {
+  btManifoldArray scratch;
+  std::vector<btPersistentManifold*> manifolds;
+  for_each_pair(*this, body, [&](btCollisionObject& object, const btBroadphasePair& pair) {
+    if (!has_contact_points(pair, scratch)) return;
+    BulletBody* other = body_of(&object);
+    if (other && !other->obstacle) other->rigid.activate(true);
+    for (int m = 0; m < scratch.size(); ++m) manifolds.push_back(scratch[m]);
+  });
+  // Points that no longer hold would carry a sleeping body for ever.
+  for (btPersistentManifold* manifold : manifolds)
+    manifold->refreshContactPoints(manifold->getBody0()->getWorldTransform(),
+                                   manifold->getBody1()->getWorldTransform());
+  world_.updateSingleAabb(&body.rigid);
+}
+
+}  // namespace aureole

@@ -1,0 +1,136 @@
+// Bullet's world with the measured settings, and bodies that come and go as groups.
+#pragma once
+
+#include <btBulletDynamicsCommon.h>
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "server/physics/body.h"
+#include "server/physics/bullet/bullet_shapes.h"
+#include "server/physics/physics_world.h"
+
+namespace aureole {
+
+/// A body as Bullet has it, and what Bullet cannot keep exactly.
+struct BulletBody {
+  BulletBody(BodyId body_id, PrototypeId body_prototype,
+             const btRigidBody::btRigidBodyConstructionInfo& info)
+      : id(body_id), prototype(body_prototype), rigid(info) {}
+
+  BodyId id;
+  PrototypeId prototype;
+  bool obstacle = false;
+  bool upright = false;
+  bool marked = false;        ///< Member of the group that a call is about; false between calls.
+  int non_static_index = -1;  ///< Place in Bullet's list of moving bodies; -1 for obstacles.
+  Eigen::Quaternionf orientation{Eigen::Quaternionf::Identity()};  ///< What the basis was made of.
+  Eigen::Vector3f obstacle_linear{0, 0, 0};                        ///< m/s
+  Eigen::Vector3f obstacle_angular{0, 0, 0};                       ///< rad/s
+  btRigidBody rigid;
+};
+
+/// The body behind a Bullet object; null for static geometry.
+inline BulletBody* body_of(const btCollisionObject* object) {
+  return static_cast<BulletBody*>(object->getUserPointer());
+}
+/// The static behind a Bullet object that is no body.
+inline StaticId static_of(const btCollisionObject* object) {
+  return StaticId{static_cast<StaticId::rep>(object->getUserIndex())};
+}
+inline btCollisionObject* object_of(const btBroadphaseProxy* proxy) {
+  return static_cast<btCollisionObject*>(proxy->m_clientObject);
+}
+
+/// Bullet refuses pairs of sleeping bodies, and their algorithms then never get a manifold. While
+/// carried contacts are installed, every pair counts.
+class Dispatcher : public btCollisionDispatcher {
+ public:
+  using btCollisionDispatcher::btCollisionDispatcher;
+  bool needsCollision(const btCollisionObject* a, const btCollisionObject* b) override {
+    return admit_sleeping_ || btCollisionDispatcher::needsCollision(a, b);
+  }
+  void admit_sleeping(bool admit) { admit_sleeping_ = admit; }
+
+ private:
+  bool admit_sleeping_ = false;
+};
+
+/// Bullet scans all pairs twice for each removed body. A group's pairs are taken out in one pass
+/// beforehand, and then there is nothing to scan for.
+class PairCache : public btHashedOverlappingPairCache {
+ public:
+  void cleanProxyFromPairs(btBroadphaseProxy*, btDispatcher*) override {}
+  void removeOverlappingPairsContainingProxy(btBroadphaseProxy*, btDispatcher*) override {}
+};
+
+/// Opens up the list of moving bodies, which Bullet searches from the start for each removal.
+class DynamicsWorld : public btDiscreteDynamicsWorld {
+ public:
+  using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
+  btAlignedObjectArray<btRigidBody*>& moving() { return m_nonStaticRigidBodies; }
+};
+
+/// Owns the Bullet objects of one world except the bodies' memory.
+class BulletWorld {
+ public:
+  BulletWorld(const PhysicsSettings& settings, ShapeLibrary& shapes, std::size_t expected_bodies);
+  ~BulletWorld();
+  BulletWorld(const BulletWorld&) = delete;
+  BulletWorld& operator=(const BulletWorld&) = delete;
+
+  /// A body that is not in the world yet, in `state` exactly.
+  std::unique_ptr<BulletBody> make_body(const NewBody& body, bool obstacle);
+  /// Puts `state` into a body, bit for bit; no one else is told.
+  void put_state(BulletBody& body, const BodyState& state) const;
+  BodyState state_of(const BulletBody& body) const;
+
+  void insert(BulletBody& body);
+  /// Takes bodies out with their pairs in one pass and wakes what touched them.
+  void erase(std::span<BulletBody* const> group);
+  /// Takes all bodies out and wakes nobody.
+  void erase_all(std::span<BulletBody* const> all);
+  /// After a body was moved by hand: its box, its pairs, and who was touching it.
+  void moved_by_hand(BulletBody& body);
+
+  /// `all` are the world's bodies, in any order that is the same each time.
+  void step(float dt_s, std::span<BulletBody* const> all);
+
+  btVector3 local(const WorldPosition& p) const;
+  WorldPosition global(const btVector3& p) const;
+
+  const PhysicsSettings& settings() const { return settings_; }
+  ShapeLibrary& shapes() const { return shapes_; }
+  DynamicsWorld& dynamics() { return world_; }
+  const DynamicsWorld& dynamics() const { return world_; }
+  Dispatcher& dispatcher() { return dispatcher_; }
+  const Dispatcher& dispatcher() const { return dispatcher_; }
+  PairCache& pairs() { return pairs_; }
+  btDbvtBroadphase& broadphase() { return broadphase_; }
+  std::span<const std::unique_ptr<btCollisionObject>> statics() const { return statics_; }
+
+ private:
+  void add_statics();
+  enum class Mobility { moving, fixed };
+  void insert_object(btCollisionObject& object, Mobility mobility);
+  void take_out(BulletBody& body);
+  void drive_obstacles(float dt_s);
+  static void before_solving(btDynamicsWorld* world, btScalar dt_s);
+
+  PhysicsSettings settings_;
+  ShapeLibrary& shapes_;
+  btDefaultCollisionConfiguration configuration_;
+  Dispatcher dispatcher_;
+  PairCache pairs_;
+  btDbvtBroadphase broadphase_;
+  btSequentialImpulseConstraintSolver solver_;
+  DynamicsWorld world_;
+  std::vector<std::unique_ptr<btCollisionObject>> statics_;
+  std::vector<BulletBody*> obstacles_;
+};
+
+/// True if at least one contact point joins the two bodies of `pair`.
+bool has_contact_points(const btBroadphasePair& pair, btManifoldArray& scratch);
+
+}  // namespace aureole

@@ -1,0 +1,56 @@
+// A group of bodies on its way to another server: as plain data, and as bytes.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "protocol/frame.h"
+#include "protocol/quantise.h"
+#include "server/base/ids.h"
+#include "server/base/result.h"
+#include "server/base/tick.h"
+#include "server/physics/body.h"
+#include "server/region/players/avatar.h"
+
+namespace aureole {
+
+/// Bodies, the contacts among them and with the ground, and the players among them. The sender
+/// stopped stepping it after step `tick`.
+struct HandoffGroup {
+  struct Body {
+    NewBody body;
+    std::uint32_t epoch = 0;  ///< Of the sender's ownership.
+  };
+  Tick tick;
+  std::vector<Body> bodies;  ///< ascending
+  std::vector<ContactManifold> contacts;
+  std::vector<Avatar> avatars;
+};
+
+/// More bodies than this never travel in one message.
+inline constexpr std::size_t max_handoff_bodies = 4096;
+
+/// Bodies farther from the origin along any axis (m) or faster (m/s, rad/s) do not travel: whoever
+/// hosts one takes it out of the world as a stray.
+inline constexpr double travel_distance_max_m = 2 * position_limit_m;
+inline constexpr float travel_speed_max = 10'000;
+bool may_travel(const BodyState& state);
+/// Contacts that may not are left behind by their sender, and refused by the receiver.
+bool may_travel(const ContactManifold& manifold);
+
+/// Payload of a FrameType::handoff. Contacts that do not fit a frame are left out.
+Bytes encode_handoff(const HandoffGroup& group);
+
+/// Verified and checked: ids valid and ascending, prototypes and statics known, numbers finite,
+/// contacts and avatars only of bodies in the group.
+Result<HandoffGroup> decode_handoff(std::span<const std::byte> payload, std::size_t prototypes,
+                                    std::size_t statics);
+
+/// More commands than this never travel in one message.
+inline constexpr std::size_t max_commands = 4096;
+
+/// Payload of a FrameType::commands, and back with every field checked.
+Bytes encode_commands(std::span<const PlayerCommand> commands);
+Result<std::vector<PlayerCommand>> decode_commands(std::span<const std::byte> payload);
+
+}  // namespace aureole
