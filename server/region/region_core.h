@@ -114,7 +114,7 @@ class RegionCore {
   void schedule_blast(const BlastEffect& blast, Tick now);
   void remove_somewhere(BodyId body, Tick now);
   void send_player_output();
-  void publish(Tick now, const ShellMeasurements& measured);
+  void publish(Tick now, const SharedBytes& update, const ShellMeasurements& measured);
   std::vector<VersionedBody> passive_copies() const;
   bool has_room(std::size_t more) const;
   bool is_up(RegionId region) const;

@@ -42,9 +42,13 @@ void RegionCore::step(Tick now, const ShellMeasurements& measured) {
   players_.drive(now, player_output_);
   hosting_.physics().step(tick_s);
   remove_strays(now);
+  // Gateways hear of this step from the server that took it, also of bodies that leave now: their
+  // new owner speaks of the next step first, and without this one they would be seen to falter.
+  const SharedBytes update =
+      hosting_.publisher().update(now, hosting_.physics(), players_.avatars());
   migrate(now);
   send_player_output();
-  publish(now, measured);
+  publish(now, update, measured);
   last_tick_ = now;
   started_ = true;
 }
@@ -297,9 +301,8 @@ std::vector<VersionedBody> RegionCore::passive_copies() const {
   return copies;
 }
 
-void RegionCore::publish(Tick now, const ShellMeasurements& measured) {
+void RegionCore::publish(Tick now, const SharedBytes& update, const ShellMeasurements& measured) {
   const auto avatars = players_.avatars();
-  const SharedBytes update = hosting_.publisher().update(now, hosting_.physics(), avatars);
   SharedBytes status;
   if (now.value % status_interval_ticks == 0) {
     const RegionStatistics s = statistics();

@@ -86,3 +86,19 @@ TEST_CASE("a gateway that joins while a body is in flight hears of it") {
   }
   REQUIRE(heard);
 }
+
+TEST_CASE(
+    "a body that is handed over is heard of in every tick, so that it is not seen to falter") {
+  auto world = flat_world(2);
+  const BodyId id = put(world, ball, {48, 2, 0}, {12, 3, 0});
+  RegionCluster cluster(world, 0);
+  cluster.step(2);
+  for (int i = 0; i < 40; ++i) {
+    cluster.step();
+    // In flight the receiver owns it from the next tick on; its server has told of this one.
+    const auto pose = cluster.store().sample_body(id, cluster.now().value * tick_us);
+    const auto before = cluster.store().sample_body(id, (cluster.now().value - 1) * tick_us);
+    REQUIRE(pose->position.x - before->position.x == Approx(12 * 0.016).margin(0.02));
+  }
+  REQUIRE(cluster.owner(id) == 1);
+}
