@@ -66,6 +66,7 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
   struct Established {
     std::shared_ptr<Link> link;
     std::deque<std::int64_t> round_trips_us;
+    std::int64_t heard_us = 0;
   };
   struct Dialler {
     PeerAddress address;
@@ -255,7 +256,7 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
       replaced->close("it has connected anew");
     }
     met[peer] = hello.incarnation;
-    peers[peer] = {link, {}};
+    peers[peer] = {link, {}, monotonic_us()};
     measured = 0;
     measure_timer.cancel();
     measure();
@@ -288,6 +289,7 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
   }
 
   Status take(PeerId peer, Frame frame) {
+    peers.at(peer).heard_us = monotonic_us();
     switch (frame.type) {
       case FrameType::time_request: {
         const auto* request = verified<wire::TimeRequest>(frame.payload);
@@ -328,7 +330,13 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
   void measure() {
     if (stopped) return;
     std::vector<std::shared_ptr<Link>> links;  // Sending may close a link and change the map.
-    for (const auto& [peer, established] : peers) links.push_back(established.link);
+    std::vector<std::shared_ptr<Link>> silent;
+    for (const auto& [peer, established] : peers) {
+      const bool is_silent = monotonic_us() - established.heard_us > options.silence_us;
+      (is_silent ? silent : links).push_back(established.link);
+    }
+    for (const auto& link : silent)
+      link->close(fmt::format("it has said nothing for {} s", options.silence_us / 1'000'000));
     for (const auto& link : links) {
       flatbuffers::FlatBufferBuilder builder(64);
       link->send(std::make_shared<const Bytes>(finish_frame(

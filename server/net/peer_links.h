@@ -43,6 +43,9 @@ struct PeerLinksOptions {
   /// Frames queued towards one peer; past it the link is reset, and whatever must not be lost is
   /// sent again by the journal.
   std::size_t max_queued_bytes = 64u << 20;
+  /// A peer that says nothing for so long is taken for gone: every side asks for the time four
+  /// times a second, and a machine that has lost its power closes no connection.
+  std::int64_t silence_us = 6'000'000;
 };
 
 /// Runs wholly on the io_context's one thread; callbacks come from there too.

@@ -11,6 +11,8 @@
 namespace aureole {
 namespace {
 
+/// Of one injector; far more than any that runs evenly makes.
+constexpr std::uint64_t injected_per_step_max = 4096;
 /// Blasts are remembered this long for groups that arrive late.
 constexpr std::int64_t remember_blasts_ticks = 128;
 /// A removal waits this long for a body that may be in flight.
@@ -164,7 +166,9 @@ void RegionCore::spawn(Tick now) {
   }
   for (std::size_t i = 0; i < world_.injectors.size(); ++i) {
     const Injector& injector = world_.injectors[i];
-    const std::uint64_t made = injected_count(injector, now);
+    // After a leap of world time the bodies of the time between come bit by bit.
+    const std::uint64_t made =
+        std::min(injected_count(injector, now), injected_[i] + injected_per_step_max);
     for (std::uint64_t n = injected_[i]; n < made; ++n) {
       const InjectedBody body = injected_body(injector, n);
       if (map_.region_at(body.state.position.x, body.state.position.z) != self_) continue;

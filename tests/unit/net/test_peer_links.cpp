@@ -289,3 +289,40 @@ TEST_CASE("two servers on one address: the second is told that the port is taken
   REQUIRE_FALSE(port);
   REQUIRE(port.error().message.find(std::to_string(a.port)) != std::string::npos);
 }
+
+TEST_CASE("a peer that falls silent without closing its connection is given up") {
+  boost::asio::io_context io;
+  WorldClock clock;
+  PeerLinksOptions options;
+  options.self = PeerId{0};
+  options.incarnation = Incarnation{1};
+  options.world_hash = world_hash;
+  options.silence_us = 300'000;
+  std::vector<std::string> gone;
+  PeerLinks links(io, options, clock,
+                  {[](PeerId, const PeerHello&) {},
+                   [&](PeerId, const std::string& why) { gone.push_back(why); },
+                   [](PeerId, const Frame&) -> Status { return Ok{}; },
+                   [] { return true; },
+                   {}});
+  const auto port = *links.listen({"127.0.0.1", 0});
+  tcp::socket mute(io);
+  mute.connect({boost::asio::ip::address_v4::loopback(), port});
+  PeerLinksOptions self;
+  self.self = PeerId{1};
+  self.incarnation = Incarnation{1};
+  self.world_hash = world_hash;
+  const auto hello = make_hello(self, {}, false);
+  boost::asio::write(mute, boost::asio::buffer(*hello));
+  REQUIRE(run_until(io, [&] { return links.is_linked(PeerId{1}); }));
+  REQUIRE(run_until(io, [&] { return !gone.empty(); }));
+  REQUIRE(gone[0].find("said nothing") != std::string::npos);
+
+  // Two that talk to each other answer, and stay.
+  Server a(io, PeerId{4});
+  Server b(io, PeerId{5}, {at(PeerId{4}, a.port)});
+  REQUIRE(run_until(io, [&] { return !b.up.empty(); }));
+  io.restart();
+  io.run_for(800ms);
+  REQUIRE(b.down.empty());
+}
