@@ -3,15 +3,14 @@
 
 #include <algorithm>
 
-#include "protocol/wire.h"
+#include "protocol/wire_values.h"
 #include "server/base/check.h"
 
 namespace aureole {
 namespace {
 
-wire::Vec3 to_wire(const Eigen::Vector3f& v) {
-  return {v.x(), v.y(), v.z()};
-}
+using aureole::to_wire;
+
 wire::ReplicaVersion to_wire(const Version& v) {
   return {v.epoch, v.region.value, v.incarnation.value};
 }
@@ -23,8 +22,8 @@ wire::ReplicaKey make_key(const NewBody& b, const Version& version, std::uint32_
           slot,
           b.prototype.value,
           static_cast<std::uint8_t>(s.activation),
-          {s.position.x, s.position.y, s.position.z},
-          {s.orientation.x(), s.orientation.y(), s.orientation.z(), s.orientation.w()},
+          to_wire(s.position),
+          to_wire(s.orientation),
           to_wire(s.linear_velocity),
           to_wire(s.angular_velocity),
           s.deactivation_time_s};

@@ -4,14 +4,11 @@
 #include <cmath>
 
 #include "protocol/quantise.h"
+#include "protocol/wire_values.h"
 #include "server/replica/slot_table.h"
 
 namespace aureole {
 namespace {
-
-Eigen::Vector3f vector_of(const wire::Vec3& v) {
-  return {v.x(), v.y(), v.z()};
-}
 
 bool in_the_world(const wire::Vec3d& p) {
   // Written so that NaN fails.
@@ -35,11 +32,10 @@ Version version_of(const wire::ReplicaVersion& v) {
 
 BodyState state_of(const wire::ReplicaKey& key) {
   BodyState state;
-  state.position = {key.position().x(), key.position().y(), key.position().z()};
-  const wire::Quat& q = key.orientation();
-  state.orientation = Eigen::Quaternionf(q.w(), q.x(), q.y(), q.z());
-  state.linear_velocity = vector_of(key.linear_velocity());
-  state.angular_velocity = vector_of(key.angular_velocity());
+  state.position = from_wire(key.position());
+  state.orientation = from_wire(key.orientation());
+  state.linear_velocity = from_wire(key.linear_velocity());
+  state.angular_velocity = from_wire(key.angular_velocity());
   state.activation = static_cast<Activation>(key.activation());
   state.deactivation_time_s = key.deactivation_time_s();
   return state;

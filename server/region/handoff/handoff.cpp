@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "protocol/wire.h"
+#include "protocol/wire_values.h"
 #include "server/base/check.h"
 #include "server/physics/physics_world.h"
 
@@ -23,12 +23,8 @@ bool is_tick(std::int64_t tick) {
   return tick >= -tick_limit && tick <= tick_limit;
 }
 
-wire::Vec3 to_wire(const Eigen::Vector3f& v) {
-  return {v.x(), v.y(), v.z()};
-}
-Eigen::Vector3f from_wire(const wire::Vec3& v) {
-  return {v.x(), v.y(), v.z()};
-}
+using aureole::from_wire;
+using aureole::to_wire;
 
 Bytes payload_of(flatbuffers::FlatBufferBuilder& builder) {
   const auto bytes = std::as_bytes(std::span(builder.GetBufferPointer(), builder.GetSize()));
@@ -72,8 +68,8 @@ wire::HandoffBody to_wire(const HandoffGroup::Body& b) {
           b.epoch,
           b.body.prototype.value,
           static_cast<std::uint8_t>(s.activation),
-          {s.position.x, s.position.y, s.position.z},
-          {s.orientation.x(), s.orientation.y(), s.orientation.z(), s.orientation.w()},
+          to_wire(s.position),
+          to_wire(s.orientation),
           to_wire(s.linear_velocity),
           to_wire(s.angular_velocity),
           s.deactivation_time_s};
@@ -88,10 +84,8 @@ Result<HandoffGroup::Body> from_wire(const wire::HandoffBody& b, std::size_t pro
   if (b.activation() > 2)
     return Error::format("handoff of body {:#x} with activation {}; expected 0 to 2", b.id(),
                          b.activation());
-  const auto& p = b.position();
-  const auto& q = b.orientation();
-  BodyState state{{p.x(), p.y(), p.z()},
-                  Eigen::Quaternionf(q.w(), q.x(), q.y(), q.z()),
+  BodyState state{from_wire(b.position()),
+                  from_wire(b.orientation()),
                   from_wire(b.linear_velocity()),
                   from_wire(b.angular_velocity()),
                   static_cast<Activation>(b.activation()),

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "protocol/quantise.h"
-#include "protocol/wire.h"
+#include "protocol/wire_values.h"
 
 namespace aureole {
 
@@ -12,12 +12,8 @@ Bytes encode_effects(const EffectsMessage& message) {
   flatbuffers::FlatBufferBuilder builder(256);
   std::vector<wire::Blast> blasts;
   for (const auto& b : message.blasts)
-    blasts.push_back({b.id,
-                      b.tick.value,
-                      {b.position.x, b.position.y, b.position.z},
-                      b.radius_m,
-                      b.speed_mps,
-                      b.spared.value});
+    blasts.push_back(
+        {b.id, b.tick.value, to_wire(b.position), b.radius_m, b.speed_mps, b.spared.value});
   std::vector<std::uint64_t> removals;
   for (BodyId id : message.removals) removals.push_back(id.value);
   std::vector<wire::BodyRequest> requests;
@@ -37,8 +33,7 @@ Result<EffectsMessage> decode_effects(std::span<const std::byte> payload) {
   if (message->blasts() != nullptr) {
     if (message->blasts()->size() > most) return Error{"more than 4096 blasts in one message"};
     for (const auto* b : *message->blasts()) {
-      const auto& p = b->position();
-      BlastEffect blast{b->id(),       Tick{b->tick()}, {p.x(), p.y(), p.z()},
+      BlastEffect blast{b->id(),       Tick{b->tick()}, from_wire(b->position()),
                         b->radius_m(), b->speed_mps(),  BodyId{b->spared()}};
       const bool sane = blast.position.is_finite() && blast.radius_m > 0 &&
                         blast.radius_m <= 1000 && std::isfinite(blast.speed_mps) &&
