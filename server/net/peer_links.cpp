@@ -7,7 +7,6 @@
 #include <boost/asio/connect.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <charconv>
 #include <chrono>
 #include <deque>
 #include <map>
@@ -41,25 +40,6 @@ std::int64_t monotonic_us() {
   return std::chrono::duration_cast<std::chrono::microseconds>(
              std::chrono::steady_clock::now().time_since_epoch())
       .count();
-}
-
-Result<Endpoint> parse_endpoint(const std::string& text) {
-  const auto colon = text.rfind(':');
-  std::string host = colon == std::string::npos ? "" : text.substr(0, colon);
-  if (host.size() >= 2 && host.front() == '[' && host.back() == ']')
-    host = host.substr(1, host.size() - 2);
-  else if (host.find(':') != std::string::npos)
-    host.clear();
-  unsigned port = 65'536;
-  if (colon != std::string::npos) {
-    const char* end = text.data() + text.size();
-    const auto [stop, ec] = std::from_chars(text.data() + colon + 1, end, port);
-    if (ec != std::errc{} || stop != end) port = 65'536;
-  }
-  if (host.empty() || port > 65'535)
-    return Error::format("\"{}\" is no address; expected host:port, for example 127.0.0.1:7000",
-                         text);
-  return Endpoint{host, static_cast<std::uint16_t>(port)};
 }
 
 struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {

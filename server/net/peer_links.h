@@ -12,16 +12,10 @@
 #include "protocol/frame.h"
 #include "server/base/ids.h"
 #include "server/base/result.h"
+#include "server/net/endpoint.h"
 #include "server/net/world_clock.h"
 
 namespace aureole {
-
-/// host:port as an operator writes it; IPv6 hosts in brackets.
-struct Endpoint {
-  std::string host;
-  std::uint16_t port = 0;
-};
-Result<Endpoint> parse_endpoint(const std::string& text);
 
 struct PeerAddress {
   PeerId peer;

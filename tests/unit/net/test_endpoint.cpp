@@ -1,5 +1,5 @@
 // Addresses as operators write them.
-#include "server/net/peer_links.h"
+#include "server/net/endpoint.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;
