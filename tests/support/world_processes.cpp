@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "protocol/wire.h"
 #include "server/ops/http_get.h"
 #include "server/ops/ports.h"
 #include "server/region/handoff/handoff.h"
@@ -124,6 +125,8 @@ Watcher::Watcher(const WorldDefinition& world, const std::vector<PeerAddress>& r
           [this](PeerId peer, const PeerHello&) { store_.region_up(peer.as_region()); },
           [this](PeerId peer, const std::string&) { store_.region_down(peer.as_region()); },
           [this](PeerId peer, const Frame& frame) -> Status {
+            if (frame.type == FrameType::region_status)
+              hosted_[peer.as_region()] = verified<wire::RegionStatus>(frame.payload)->bodies();
             if (frame.type != FrameType::replica_update) return Ok{};
             auto taken = store_.apply(peer.as_region(), frame.payload);
             if (!taken) faults_.push_back(taken.error().message);
@@ -163,6 +166,12 @@ void Watcher::watch_for(std::chrono::milliseconds time) {
   const auto end = Clock::now() + time;
   watch([&] { return Clock::now() > end; },
         std::chrono::duration_cast<std::chrono::seconds>(time) + 1s);
+}
+
+std::size_t Watcher::hosted() const {
+  std::size_t all = 0;
+  for (const auto& [region, bodies] : hosted_) all += bodies;
+  return all;
 }
 
 bool Watcher::all_complete() const {

@@ -55,6 +55,8 @@ class Watcher {
   void watch_for(std::chrono::milliseconds time);
   bool all_complete() const;
   void command(RegionId to, const PlayerCommand& command);
+  /// Bodies that the regions say they simulate, all together: the world's, but for those in flight.
+  std::size_t hosted() const;
   /// Counts how often a body changed its owner, over all bodies, as told by versions.
   std::uint64_t owner_changes() const { return owner_changes_; }
   const std::vector<std::string>& faults() const { return faults_; }
@@ -65,6 +67,7 @@ class Watcher {
   ReplicaStore store_;
   std::size_t regions_;
   std::vector<std::string> faults_;
+  std::map<RegionId, std::size_t> hosted_;
   std::map<BodyId, Version> versions_;
   std::uint64_t owner_changes_ = 0;
   std::unique_ptr<PeerLinks> links_;
