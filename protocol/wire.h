@@ -28,7 +28,13 @@ template <class Table>
 bool vectors_are_aligned(const Table&) {
   return true;
 }
+inline bool vectors_are_aligned(const wire::Commands& t) {
+  return is_aligned(t.commands());
+}
 inline bool vectors_are_aligned(const wire::Handoff& t) {
+  if (t.players() != nullptr)
+    for (const wire::HandoffPlayer* player : *t.players())
+      if (!is_aligned(player->waiting())) return false;
   return is_aligned(t.bodies());
 }
 inline bool vectors_are_aligned(const wire::Effects& t) {
