@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/aura/aura_radius.h"
+#include "server/aura/migration_mode.h"
 #include "server/aura/overlap_grid.h"
 #include "server/aura/partition_map.h"
 #include "server/base/ids.h"
@@ -14,13 +15,27 @@
 
 namespace aureole {
 
+/// Longest that `HostedBody::still_ticks` counts; it travels in a byte.
+inline constexpr std::uint8_t still_ticks_max = 255;
+/// Slower than this on its whole surface, a body is still (m/s).
+inline constexpr double still_speed_mps = 0.15;
+/// A body that has been still for so long rests, asleep or not: 0.4 s, the paper's (section 4.2).
+inline constexpr std::uint8_t resting_ticks = 25;
+
 /// What a policy knows of each body that its server hosts.
 struct HostedBody {
   BodyId id;
   WorldPosition position;
   Eigen::Vector3d half_extents{0, 0, 0};  ///< Of the box around the body as it stands (m).
+  double bounding_radius_m = 0;           ///< R_o
   double surface_speed_mps = 0;           ///< Fastest that any point of it moves.
+  double mass_kg = 1;
   bool asleep = false;
+  /// For how many ticks it has been slower than still_speed_mps, at most still_ticks_max. Bullet
+  /// wakes a whole heap when one body of it is touched; that alone makes nothing move.
+  std::uint8_t still_ticks = 0;
+  /// A load of its contacts with stand-ins has risen: it counts as moving whatever its speed.
+  bool pressed = false;
   /// The body that this one must be hosted with (a carried thing with the avatar); none: decides
   /// itself.
   BodyId leader;
@@ -32,8 +47,21 @@ struct HostedBody {
 struct RemoteAura {
   BodyId id;
   RegionId host;
-  AuraBox box;
+  AuraBox box;  ///< In mode paper a sphere: the half extents are its radius.
   bool asleep = false;
+  /// It rests and expects no blow (adaptive).
+  bool resting = false;
+  double speed_mps = 0;  ///< The fastest that it may soon move (adaptive).
+  double mass_kg = 1;
+};
+
+/// Bodies of ours by index in `MigrationSituation::hosted`, and others' resting bodies that ours
+/// lean on, by id.
+class ContactSource {
+ public:
+  virtual ~ContactSource() = default;
+  /// Appends the ids of all bodies, stand-ins included, that share a contact with the body.
+  virtual void touching(BodyId body, std::vector<BodyId>& found) const = 0;
 };
 
 /// A server that decides for a pair asks the other one to hand a body over, with its cluster.
@@ -53,6 +81,8 @@ struct MigrationSituation {
   /// Whether a region can be handed anything now; by region. While one is down, its boundary lets
   /// nobody through.
   const std::vector<bool>& linked;
+  /// Who touches whom; null: nobody is asked (naive, paper, some tests).
+  const ContactSource* contacts = nullptr;
 };
 
 /// A group that goes to one server together.
@@ -72,6 +102,8 @@ struct ProjectedAura {
   BodyId id;
   AuraBox box;
   bool asleep = false;
+  bool resting = false;      ///< See RemoteAura.
+  double speed_mps = 0;      ///< See RemoteAura.
   std::vector<RegionId> to;  ///< ascending
 };
 
@@ -94,9 +126,14 @@ class MigrationPolicy {
 /// least `stay_ticks` with each owner. Nothing is projected: bodies of two servers never meet.
 std::unique_ptr<MigrationPolicy> make_naive_policy();
 
-/// Bodies whose auras overlap are brought onto one server before they can touch; see
-/// aura_policy.cpp.
-std::unique_ptr<MigrationPolicy> make_aura_policy(const AuraTolerances& tolerances);
+/// The published algorithms: spheres of one size, see paper_policy.cpp.
+std::unique_ptr<MigrationPolicy> make_paper_policy(const AuraTolerances& tolerances);
+
+/// What may soon touch and moves is brought together, what rests may be cut; see
+/// adaptive_policy.cpp.
+std::unique_ptr<MigrationPolicy> make_adaptive_policy(const AuraTolerances& tolerances);
+
+std::unique_ptr<MigrationPolicy> make_policy(MigrationMode mode, const AuraTolerances& tolerances);
 
 /// Far enough that a body resting on the line does not flicker; near enough not to be seen (m).
 inline constexpr double naive_hysteresis_m = 0.05;

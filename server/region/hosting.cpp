@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "server/aura/migration_policy.h"
 #include "server/base/check.h"
 #include "server/base/hash.h"
 
@@ -12,6 +13,11 @@ namespace {
 
 /// So long ago that no policy holds a newborn body back.
 constexpr Tick never_changed{-1'000'000};
+
+/// What comes asleep has always rested; of anything else nothing is known yet.
+std::optional<Tick> moved_before(const BodyState& state) {
+  return state.activation == Activation::asleep ? std::optional(never_changed) : std::nullopt;
+}
 
 std::vector<BodyDefinition> definitions_of(const WorldDefinition& world) {
   std::vector<BodyDefinition> all;
@@ -41,7 +47,7 @@ void Hosting::spawn(std::span<const NewBody> bodies, std::uint32_t epoch) {
   std::vector<NewBody> born;
   for (const NewBody& body : bodies)
     // Another region may have handed a body of this name over: what was first stays.
-    if (records_.emplace(body.id, Record{epoch, never_changed}).second) born.push_back(body);
+    if (records_.emplace(body.id, Record{epoch, never_changed, moved_before(body.state)}).second) born.push_back(body);
   physics_.add(born);
   for (const NewBody& body : born) publisher_.body_gained(body.id, version(body.id));
   counts_.spawned += born.size();
@@ -57,13 +63,25 @@ void Hosting::remove(std::span<const BodyId> ids) {
   counts_.removed += ids.size();
 }
 
+std::uint8_t Hosting::note_stillness(BodyId id, double surface_speed_mps, Tick now) {
+  std::optional<Tick>& moved = records_.at(id).moved;
+  if (surface_speed_mps >= still_speed_mps || !moved) moved = now;
+  return still_ticks(id, now);
+}
+
+std::uint8_t Hosting::still_ticks(BodyId id, Tick now) const {
+  const std::int64_t still = now - records_.at(id).moved.value_or(now);
+  return static_cast<std::uint8_t>(std::clamp<std::int64_t>(still, 0, still_ticks_max));
+}
+
 HandoffGroup Hosting::release(std::span<const BodyId> ids, Tick now) {
   HandoffGroup group;
   group.tick = now;
   group.contacts = physics_.contacts_within(ids);
   std::erase_if(group.contacts, [](const auto& manifold) { return !may_travel(manifold); });
   for (BodyId id : ids)
-    group.bodies.push_back({{id, physics_.prototype(id), physics_.state(id)}, epoch(id)});
+    group.bodies.push_back({{id, physics_.prototype(id), physics_.state(id)}, epoch(id),
+                            still_ticks(id, now)});
   std::sort(group.bodies.begin(), group.bodies.end(),
             [](const auto& a, const auto& b) { return a.body.id < b.body.id; });
   physics_.remove(ids);
@@ -90,7 +108,8 @@ std::vector<BodyId> Hosting::accept(const HandoffGroup& group, Tick now) {
     taken.push_back(arriving.body);
     ids.push_back(id);
     const bool last = arriving.epoch == std::numeric_limits<std::uint32_t>::max();
-    records_.emplace(id, Record{last ? arriving.epoch : arriving.epoch + 1, now});
+    records_.emplace(id, Record{last ? arriving.epoch : arriving.epoch + 1, now,
+                                now - arriving.still_ticks});
   }
   physics_.add(taken);
   for (BodyId id : ids) publisher_.body_gained(id, version(id));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -34,6 +35,9 @@ class Hosting {
   std::uint32_t epoch(BodyId id) const { return records_.at(id).epoch; }
   Tick changed_owner(BodyId id) const { return records_.at(id).changed_owner; }
   Version version(BodyId id) const { return {epoch(id), incarnation_, self_}; }
+  /// Call whenever the body is looked at: for how many ticks it has been still, see HostedBody.
+  std::uint8_t note_stillness(BodyId id, double surface_speed_mps, Tick now);
+  std::uint8_t still_ticks(BodyId id, Tick now) const;
 
   /// Bodies that come into the world here; those that are here already are left out. A name that is
   /// used again (a player who left comes back) starts in a later epoch than it ended, or stores
@@ -60,6 +64,7 @@ class Hosting {
   struct Record {
     std::uint32_t epoch = 1;
     Tick changed_owner;
+    std::optional<Tick> moved;  ///< When it was last seen to move.
   };
   RegionId self_;
   Incarnation incarnation_;

@@ -21,14 +21,12 @@ constexpr std::size_t waiting_max = 4096;
 
 }  // namespace
 
-RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation incarnation,
-                       MigrationMode mode)
+RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation incarnation)
     : world_(world),
       self_(self),
       incarnation_(incarnation),
       map_(partition_of(world)),
-      policy_(mode == MigrationMode::naive ? make_naive_policy()
-                                           : make_aura_policy(world.tolerances)),
+      policy_(make_policy(world.mode, world.tolerances)),
       hosting_(world, self, incarnation),
       players_(world, map_, self, hosting_),
       injected_(world.injectors.size(), 0) {
@@ -126,6 +124,14 @@ Status RegionCore::receive(PeerId from, const Frame& frame) {
                            static_cast<int>(frame.type));
   }
 }
+
+void RegionCore::link_measured(RegionId, double) {}
+
+Status RegionCore::recover(std::span<const std::byte>) {
+  return Ok{};
+}
+
+void RegionCore::snapshot_written(Tick) {}
 
 bool RegionCore::has_room(std::size_t more) const {
   std::size_t known = hosting_.physics().size() + more;

@@ -27,12 +27,6 @@
 
 namespace aureole {
 
-/// How it is decided which body is hosted where.
-enum class MigrationMode : std::uint8_t {
-  naive,  ///< On crossing the boundary; bodies of two servers never meet.
-  aura,   ///< What may soon touch is brought together first.
-};
-
 struct Outgoing {
   PeerId to;
   SharedBytes frame;
@@ -44,6 +38,19 @@ struct ShellMeasurements {
   std::uint32_t frame_us_max = 0;
   std::uint64_t overruns = 0;
   std::uint64_t skipped_ticks = 0;
+  double last_frame_ms = 0;  ///< Of the step before this one.
+};
+
+/// Section 3.3: outside of a tolerance consistency is no longer promised, and the server says so.
+struct ToleranceEvent {
+  enum class Kind : std::uint8_t { speed, latency, frame_time, link };
+  Kind kind{};
+  bool outside = false;  ///< True when it is left, false when it holds again.
+  Tick tick;
+  RegionId peer;      ///< latency, link
+  BodyId body;        ///< speed: the fastest
+  double value = 0;   ///< m/s, ms; link: ticks without word
+  double limit = 0;   ///< The tolerance.
 };
 
 struct RegionStatistics {
@@ -56,13 +63,17 @@ struct RegionStatistics {
   std::uint64_t catch_up_steps = 0;  ///< Steps made up for groups that came late.
   std::uint64_t refused_bodies = 0;  ///< Not made because the world is full.
   std::uint64_t unacknowledged = 0;  ///< Messages in the journals.
+  std::uint64_t stand_ins = 0;       ///< Resting bodies of others that ours can lean on.
+  /// Stand-ins whose load rose above its value at the cut by more than mass × 0.05 m/s: interactions
+  /// that were missed.
+  std::uint64_t struck_stand_ins = 0;
+  std::uint64_t tolerance_events = 0;
 };
 
 class RegionCore {
  public:
   /// `world` must outlive the core. `self` is one of its regions.
-  RegionCore(const WorldDefinition& world, RegionId self, Incarnation incarnation,
-             MigrationMode mode = MigrationMode::aura);
+  RegionCore(const WorldDefinition& world, RegionId self, Incarnation incarnation);
 
   void peer_up(PeerId peer, Incarnation incarnation);
   void peer_down(PeerId peer);
@@ -71,6 +82,23 @@ class RegionCore {
   Status receive(PeerId from, const Frame& frame);
   /// Exactly one step of 16 ms, to tick `now`, which must be later than the step before.
   void step(Tick now, const ShellMeasurements& measured = {});
+  /// One way, measured by the shell or modelled by the simulation; call whenever there is news.
+  void link_measured(RegionId peer, double latency_ms);
+  /// Tolerances left and entered in the last step. Valid until the next step.
+  std::span<const ToleranceEvent> tolerance_events() const { return tolerance_events_; }
+
+  /// Makes this core the successor of an earlier start of the same region that died. `snapshot` is
+  /// what the earlier one had written last; empty if it is gone. Call before the first step: the
+  /// core then hosts nothing until everyone who might hold something newer has said what they
+  /// hold. An Error (the snapshot is not one of this region and world) leaves it without snapshot.
+  Status recover(std::span<const std::byte> snapshot);
+  bool recovering() const { return recovering_; }
+  /// The state to be written after the last step to where it survives this process; null if none is
+  /// due. What has been written is told by snapshot_written().
+  std::shared_ptr<const Bytes> snapshot_due() const { return snapshot_; }
+  void snapshot_written(Tick of);
+  static constexpr std::int64_t snapshot_interval_ticks = 6;
+
   /// What the last step wants sent, in order. Valid until the next step.
   std::span<const Outgoing> outbox() const { return outbox_; }
 
@@ -142,6 +170,9 @@ class RegionCore {
   Tick last_decision_{-decision_interval_ticks};
   std::uint64_t changes_at_decision_ = 0;
   bool started_ = false;
+  bool recovering_ = false;
+  std::shared_ptr<const Bytes> snapshot_;
+  std::vector<ToleranceEvent> tolerance_events_;
   RegionStatistics extra_;  ///< Only the counts that nobody else keeps.
 };
 

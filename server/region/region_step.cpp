@@ -227,12 +227,19 @@ void RegionCore::migrate(Tick now) {
   for (BodyId id : physics.ids()) {
     const auto leader = leaders.find(id);
     const BodyState state = physics.state(id);
-    hosted.push_back({id, state.position, physics.half_extents(id).cast<double>(),
-                      state.linear_velocity.norm() +
-                          state.angular_velocity.norm() * hosting_.radius(physics.prototype(id)),
-                      state.activation == Activation::asleep,
-                      leader == leaders.end() ? BodyId{} : leader->second,
-                      hosting_.changed_owner(id)});
+    const PrototypeId prototype = physics.prototype(id);
+    HostedBody& body = hosted.emplace_back();
+    body.id = id;
+    body.position = state.position;
+    body.half_extents = physics.half_extents(id).cast<double>();
+    body.bounding_radius_m = hosting_.radius(prototype);
+    body.surface_speed_mps =
+        state.linear_velocity.norm() + state.angular_velocity.norm() * hosting_.radius(prototype);
+    body.mass_kg = hosting_.definitions()[prototype.value].mass_kg;
+    body.asleep = state.activation == Activation::asleep;
+    body.still_ticks = hosting_.note_stillness(id, body.surface_speed_mps, now);
+    if (leader != leaders.end()) body.leader = leader->second;
+    body.changed_owner = hosting_.changed_owner(id);
   }
   std::vector<bool> linked;
   for (std::size_t i = 0; i < map_.size(); ++i)

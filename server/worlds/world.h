@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/aura/aura_radius.h"
+#include "server/aura/migration_mode.h"
 #include "server/aura/partition_map.h"
 #include "server/base/ids.h"
 #include "server/base/world_position.h"
@@ -92,6 +93,7 @@ struct WorldDefinition {
   std::string description;
   PhysicsSettings physics;
   AuraTolerances tolerances;
+  MigrationMode mode = MigrationMode::adaptive;
   std::vector<RegionDefinition> regions;  ///< They tile the plane.
   Box3 bounds;                            ///< Strays outside are removed.
   std::uint32_t max_bodies = 20'000;

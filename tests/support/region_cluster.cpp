@@ -52,16 +52,15 @@ BodyId put(WorldDefinition& world, PrototypeId prototype, WorldPosition at,
   return BodyId::world(static_cast<std::uint32_t>(world.bodies.size() - 1));
 }
 
-RegionCluster::RegionCluster(const WorldDefinition& world, int delay_ticks, MigrationMode mode)
+RegionCluster::RegionCluster(const WorldDefinition& world, int delay_ticks)
     : world_(world),
       delay_ticks_(delay_ticks),
-      mode_(mode),
       store_(std::make_unique<ReplicaStore>(world.prototypes.size())) {
   const int count = static_cast<int>(world.regions.size());
   for (int i = 0; i < count; ++i) {
     incarnations_.push_back(Incarnation{1});
     cores_.push_back(std::make_unique<RegionCore>(world, RegionId{static_cast<std::uint16_t>(i)},
-                                                  incarnations_.back(), mode));
+                                                  incarnations_.back()));
   }
   for (int i = 0; i < count; ++i) {
     for (int j = 0; j < count; ++j)
@@ -133,7 +132,7 @@ void RegionCluster::restart(int i) {
   const auto at = static_cast<std::size_t>(i);
   incarnations_[at] = Incarnation{incarnations_[at].value + 1};
   cores_[at] = std::make_unique<RegionCore>(world_, RegionId{static_cast<std::uint16_t>(i)},
-                                            incarnations_[at], mode_);
+                                            incarnations_[at]);
   for (int j = 0; j < static_cast<int>(cores_.size()); ++j)
     if (j != i) reset_link(i, j);
 }

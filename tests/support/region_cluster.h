@@ -27,8 +27,7 @@ inline constexpr PrototypeId ball{0}, box{1}, plank{2}, avatar_prototype{3};
 class RegionCluster {
  public:
   /// Messages take `delay_ticks` whole ticks (0: they are there before the next step).
-  explicit RegionCluster(const WorldDefinition& world, int delay_ticks = 0,
-                         MigrationMode mode = MigrationMode::aura);
+  explicit RegionCluster(const WorldDefinition& world, int delay_ticks = 0);
 
   void step(int ticks = 1);
   Tick now() const { return now_; }
@@ -63,7 +62,6 @@ class RegionCluster {
 
   const WorldDefinition& world_;
   int delay_ticks_;
-  MigrationMode mode_;
   Tick now_;
   std::vector<std::unique_ptr<RegionCore>> cores_;
   std::vector<Incarnation> incarnations_;

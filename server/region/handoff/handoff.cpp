@@ -68,6 +68,7 @@ wire::HandoffBody to_wire(const HandoffGroup::Body& b) {
           b.epoch,
           b.body.prototype.value,
           static_cast<std::uint8_t>(s.activation),
+          b.still_ticks,
           to_wire(s.position),
           to_wire(s.orientation),
           to_wire(s.linear_velocity),
@@ -94,7 +95,7 @@ Result<HandoffGroup::Body> from_wire(const wire::HandoffBody& b, std::size_t pro
     return Error::format(
         "handoff of body {:#x} with numbers that are not finite, out of range or no rotation",
         b.id());
-  return HandoffGroup::Body{{id, PrototypeId{b.prototype()}, state}, b.epoch()};
+  return HandoffGroup::Body{{id, PrototypeId{b.prototype()}, state}, b.epoch(), b.still_ticks()};
 }
 
 wire::HandoffPoint to_wire(const ContactPoint& p) {
@@ -142,7 +143,7 @@ Result<ContactManifold> from_wire(const wire::HandoffManifold& m, const HandoffG
                                   std::size_t statics) {
   const auto in_group = [&](BodyId id) {
     return std::binary_search(group.bodies.begin(), group.bodies.end(),
-                              HandoffGroup::Body{{id, {}, {}}, 0},
+                              HandoffGroup::Body{{id, {}, {}}, 0, 0},
                               [](const auto& a, const auto& b) { return a.body.id < b.body.id; });
   };
   ContactManifold manifold;

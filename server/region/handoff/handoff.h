@@ -19,7 +19,8 @@ namespace aureole {
 struct HandoffGroup {
   struct Body {
     NewBody body;
-    std::uint32_t epoch = 0;  ///< Of the sender's ownership.
+    std::uint32_t epoch = 0;       ///< Of the sender's ownership.
+    std::uint8_t still_ticks = 0;  ///< See HostedBody.
   };
   Tick tick;
   std::vector<Body> bodies;  ///< ascending

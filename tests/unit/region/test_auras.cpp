@@ -55,7 +55,8 @@ TEST_CASE("without auras the same two balls pass through each other") {
   const BodyId a = put(split, ball, {46, 5, 0}, {10, 0, 0});
   put(split, ball, {54, 5, 0}, {-10, 0, 0});
   split.prototypes[0].body.restitution = 1;
-  RegionCluster two(split, 0, MigrationMode::naive);
+  split.mode = MigrationMode::naive;
+  RegionCluster two(split);
   two.step(28);
   REQUIRE(two.state(a).linear_velocity.x() > 5);
 }

@@ -28,9 +28,9 @@ constexpr double resting_margin_m = 0.08;
 /// Air that an island needs around it before it goes home (m); more than an aura is rounded by.
 constexpr double island_clearance_m = 0.1;
 
-class AuraPolicy final : public MigrationPolicy {
+class AdaptivePolicy final : public MigrationPolicy {
  public:
-  explicit AuraPolicy(const AuraTolerances& tolerances)
+  explicit AdaptivePolicy(const AuraTolerances& tolerances)
       // A request to the other server takes one more flight than the paper's T_T covers.
       : reach_s_(total_displacement_s(tolerances) + steps_in_flight(tolerances) * (tick_us / 1e6)) {
   }
@@ -259,7 +259,7 @@ class AuraPolicy final : public MigrationPolicy {
       to.erase(s.self);
       if (!to.empty())
         decision.projected.push_back(
-            {s.hosted[i].id, box, s.hosted[i].asleep, {to.begin(), to.end()}});
+            {s.hosted[i].id, box, s.hosted[i].asleep, false, 0, {to.begin(), to.end()}});
     }
   }
 
@@ -277,8 +277,8 @@ class AuraPolicy final : public MigrationPolicy {
 
 }  // namespace
 
-std::unique_ptr<MigrationPolicy> make_aura_policy(const AuraTolerances& tolerances) {
-  return std::make_unique<AuraPolicy>(tolerances);
+std::unique_ptr<MigrationPolicy> make_adaptive_policy(const AuraTolerances& tolerances) {
+  return std::make_unique<AdaptivePolicy>(tolerances);
 }
 
 }  // namespace aureole

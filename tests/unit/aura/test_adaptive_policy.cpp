@@ -54,7 +54,7 @@ struct Scene {
   std::vector<bool> linked = std::vector<bool>(16, true);
 
   MigrationDecision decide() const {
-    return make_aura_policy(AuraTolerances{})
+    return make_adaptive_policy(AuraTolerances{})
         ->decide({Tick{0}, RegionId{self}, map, hosted, remote, requested, linked});
   }
 };
