@@ -1,7 +1,9 @@
 // What changes its server and why: one small interface, one implementation for each mode.
 #pragma once
 
+#include <algorithm>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,6 +32,7 @@ struct HostedBody {
   double bounding_radius_m = 0;           ///< R_o
   double surface_speed_mps = 0;           ///< Fastest that any point of it moves.
   double mass_kg = 1;
+  double restitution = 0;  ///< 0 … 1
   bool asleep = false;
   /// For how many ticks it has been slower than still_speed_mps, at most still_ticks_max. Bullet
   /// wakes a whole heap when one body of it is touched; that alone makes nothing move.
@@ -85,6 +88,14 @@ struct MigrationSituation {
   const ContactSource* contacts = nullptr;
 };
 
+/// Index of the body in `MigrationSituation::hosted`, if it is hosted here.
+inline std::optional<std::uint32_t> index_of(std::span<const HostedBody> hosted, BodyId id) {
+  const auto at = std::lower_bound(hosted.begin(), hosted.end(), id,
+                                   [](const HostedBody& b, BodyId key) { return b.id < key; });
+  if (at == hosted.end() || at->id != id) return {};
+  return static_cast<std::uint32_t>(at - hosted.begin());
+}
+
 /// A group that goes to one server together.
 struct Migration {
   RegionId to;
@@ -139,6 +150,8 @@ std::unique_ptr<MigrationPolicy> make_policy(MigrationMode mode, const AuraToler
 inline constexpr double naive_hysteresis_m = 0.05;
 /// How far a cluster's nearest member must be outside its host's region before it goes home (m).
 inline constexpr double home_hysteresis_m = 0.5;
+/// How far outside its host's region a resting body must be before it goes home by itself (m).
+inline constexpr double resting_hysteresis_m = 0.1;
 /// Half a second: at most two changes of owner in any second. Where a body may be fetched back at
 /// any moment (auras), what moves waits twice as long before it goes home.
 inline constexpr std::int64_t stay_ticks = 32;

@@ -29,6 +29,7 @@ RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation 
       policy_(make_policy(world.mode, world.tolerances)),
       hosting_(world, self, incarnation),
       players_(world, map_, self, hosting_),
+      stand_ins_(hosting_.physics()),
       injected_(world.injectors.size(), 0) {
   AUREOLE_CHECK(self.value < world.regions.size(), "a core is one of its world's regions");
   for (std::size_t i = 0; i < world.regions.size(); ++i)
@@ -112,7 +113,8 @@ Status RegionCore::receive(PeerId from, const Frame& frame) {
       return Ok{};
     }
     case FrameType::auras:
-      return aura_exchange_.receive(from.as_region(), frame.payload);
+      return aura_exchange_.receive(from.as_region(), frame.payload,
+                                    hosting_.definitions().size());
     case FrameType::region_status: {
       const auto* message = verified<wire::RegionStatus>(frame.payload);
       if (message == nullptr) return Error{"a region status is not a valid message"};
@@ -166,6 +168,8 @@ RegionStatistics RegionCore::statistics() const {
   all.migrations_in = counts.migrations_in;
   all.migrations_out = counts.migrations_out;
   all.version_conflicts = counts.version_conflicts;
+  all.stand_ins = stand_ins_.size();
+  all.struck_stand_ins = stand_in_watch_.struck();
   for (const auto& [id, peer] : peers_) all.unacknowledged += peer.journal.unacknowledged().size();
   return all;
 }

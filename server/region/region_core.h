@@ -8,6 +8,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,8 @@
 #include "server/region/hosting.h"
 #include "server/region/players/effects.h"
 #include "server/region/players/players.h"
+#include "server/region/stand_ins/stand_in_watch.h"
+#include "server/region/stand_ins/stand_ins.h"
 #include "server/worlds/world.h"
 
 namespace aureole {
@@ -108,6 +111,7 @@ class RegionCore {
   const Hosting& hosting() const { return hosting_; }
   const Journal& journal(RegionId peer) const { return peers_.at(PeerId::region(peer)).journal; }
   const PartitionMap& partition() const { return map_; }
+  const StandInWatch& stand_in_watch() const { return stand_in_watch_; }
 
   /// Work per step to bring late groups to the present: bodies × steps. What is above it waits.
   static constexpr std::int64_t catch_up_budget = 4000;
@@ -137,6 +141,9 @@ class RegionCore {
   void apply_blasts(Tick now);
   void remove_strays(Tick now);
   void migrate(Tick now);
+  std::vector<HostedBody> hosted_bodies(Tick now);
+  void watch_stand_ins(Tick now);
+  Hosting::Cut cut() const;
   bool nothing_stirs(Tick now) const;
   void emigrate(std::span<const BodyId> bodies, RegionId to, Tick now);
   void schedule_blast(const BlastEffect& blast, Tick now);
@@ -157,6 +164,9 @@ class RegionCore {
   std::map<PeerId, Peer> peers_;
 
   AuraExchange aura_exchange_;
+  StandIns stand_ins_;
+  StandInWatch stand_in_watch_;
+  std::set<BodyId> handed_over_;  ///< Since auras were announced last.
   std::vector<HandoverRequest> handover_requests_;
   std::deque<Arrived> arrived_groups_;
   std::deque<std::pair<RegionId, EffectsMessage>> arrived_effects_;

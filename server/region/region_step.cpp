@@ -24,6 +24,37 @@ constexpr std::int64_t blast_ahead_ticks_max = 2048;
 /// more to catch up with than blasts; handoffs are not sent to it in the first place.
 constexpr std::size_t waiting_messages_max = 4096;
 
+/// What the policy may ask of contacts.
+class Touching final : public ContactSource {
+ public:
+  explicit Touching(const PhysicsWorld& physics) : physics_(physics) {}
+  void touching(BodyId body, std::vector<BodyId>& found) const override {
+    const auto all = physics_.contact_graph().touching(body);
+    found.insert(found.end(), all.begin(), all.end());
+  }
+
+ private:
+  const PhysicsWorld& physics_;
+};
+
+/// What the exchange tells of bodies.
+class ProjectedBodies final : public AuraBodies {
+ public:
+  ProjectedBodies(const Hosting& hosting, const std::set<BodyId>& handed_over)
+      : hosting_(hosting), handed_over_(handed_over) {}
+  double mass_kg(BodyId id) const override {
+    return double{hosting_.definitions()[hosting_.physics().prototype(id).value].mass_kg};
+  }
+  NewBody resting_body(BodyId id) const override {
+    return {id, hosting_.physics().prototype(id), hosting_.physics().state(id)};
+  }
+  bool was_handed_over(BodyId id) const override { return handed_over_.contains(id); }
+
+ private:
+  const Hosting& hosting_;
+  const std::set<BodyId>& handed_over_;
+};
+
 /// The n-th piece of `size` elements, empty past the end.
 template <class T>
 std::span<const T> piece(const std::vector<T>& all, std::size_t n, std::size_t size) {
@@ -43,6 +74,7 @@ void RegionCore::step(Tick now, const ShellMeasurements& measured) {
   apply_blasts(now);
   players_.drive(now, player_output_);
   hosting_.physics().step(tick_s);
+  watch_stand_ins(now);
   remove_strays(now);
   // Gateways hear of this step from the server that took it, also of bodies that leave now: their
   // new owner speaks of the next step first, and without this one they would be seen to falter.
@@ -60,6 +92,8 @@ void RegionCore::take_in(Tick now) {
   take_in_effects(now);
   take_in_commands(now);
   handover_requests_ = aura_exchange_.take_in();
+  stand_ins_.take(aura_exchange_.take_resting_news(), now);
+  stand_ins_.tidy(aura_exchange_.remote(), now);
 }
 
 void RegionCore::take_in_groups(Tick now) {
@@ -83,7 +117,9 @@ void RegionCore::take_in_groups(Tick now) {
     extra_.catch_up_steps += static_cast<std::uint64_t>(steps);
     const std::vector<BlastEffect> recent(blasts_.begin(), blasts_.end());
     catch_up(group, {hosting_.definitions(), hosting_.physics(), present, recent, AvatarTuning{}});
+    stand_ins_.came_along(group.stand_ins, arrived.from, now);
     const std::vector<BodyId> taken = hosting_.accept(group, now);
+    stand_ins_.arrived(taken);
     std::set<std::uint16_t> gateways;
     for (const Avatar& avatar : group.avatars) gateways.insert(avatar.gateway);
     players_.accept(std::move(group.avatars), taken, now, has_room(1), player_output_);
@@ -215,19 +251,19 @@ bool RegionCore::nothing_stirs(Tick now) const {
          c.spawned + c.removed + c.migrations_in + c.migrations_out == changes_at_decision_;
 }
 
-void RegionCore::migrate(Tick now) {
-  // Most of a world sleeps most of the time; what was decided then still holds.
-  if (nothing_stirs(now)) return;
+std::vector<HostedBody> RegionCore::hosted_bodies(Tick now) {
   std::map<BodyId, BodyId> leaders;
   for (const Avatar* avatar : players_.avatars())
     if (avatar->carried != BodyId{}) leaders[avatar->carried] = avatar->body();
 
   std::vector<HostedBody> hosted;
   const PhysicsWorld& physics = hosting_.physics();
+  hosted.reserve(physics.size());
   for (BodyId id : physics.ids()) {
     const auto leader = leaders.find(id);
     const BodyState state = physics.state(id);
     const PrototypeId prototype = physics.prototype(id);
+    const BodyDefinition& definition = hosting_.definitions()[prototype.value];
     HostedBody& body = hosted.emplace_back();
     body.id = id;
     body.position = state.position;
@@ -235,19 +271,46 @@ void RegionCore::migrate(Tick now) {
     body.bounding_radius_m = hosting_.radius(prototype);
     body.surface_speed_mps =
         state.linear_velocity.norm() + state.angular_velocity.norm() * hosting_.radius(prototype);
-    body.mass_kg = hosting_.definitions()[prototype.value].mass_kg;
+    body.mass_kg = definition.mass_kg;
+    body.restitution = definition.restitution;
     body.asleep = state.activation == Activation::asleep;
     body.still_ticks = hosting_.note_stillness(id, body.surface_speed_mps, now);
+    body.pressed = stand_in_watch_.is_pressed(id, now);
     if (leader != leaders.end()) body.leader = leader->second;
     body.changed_owner = hosting_.changed_owner(id);
   }
+  return hosted;
+}
+
+void RegionCore::watch_stand_ins(Tick now) {
+  stand_in_watch_.look(
+      hosting_.physics(), now, [&](BodyId body) { return hosting_.lies_still(body, now); },
+      [&](BodyId stand_in) {
+        const PrototypeId prototype = hosting_.physics().stand_in(stand_in).prototype;
+        return double{hosting_.definitions()[prototype.value].mass_kg};
+      });
+}
+
+Hosting::Cut RegionCore::cut() const {
+  return world_.mode == MigrationMode::adaptive ? Hosting::Cut::at_rest : Hosting::Cut::nowhere;
+}
+
+void RegionCore::migrate(Tick now) {
+  // Most of a world sleeps most of the time; what was decided then still holds.
+  if (nothing_stirs(now)) return;
+  const std::vector<HostedBody> hosted = hosted_bodies(now);
   std::vector<bool> linked;
   for (std::size_t i = 0; i < map_.size(); ++i)
     linked.push_back(is_up(RegionId{static_cast<std::uint16_t>(i)}));
-  const MigrationDecision decision = policy_->decide(
-      {now, self_, map_, hosted, aura_exchange_.remote(), handover_requests_, linked});
+  const Touching contacts(hosting_.physics());
+  const MigrationDecision decision =
+      policy_->decide({now, self_, map_, hosted, aura_exchange_.remote(), handover_requests_,
+                       linked, &contacts});
   handover_requests_.clear();
-  aura_exchange_.announce(now, decision);
+  for (const Migration& migration : decision.leaving)
+    handed_over_.insert(migration.bodies.begin(), migration.bodies.end());
+  aura_exchange_.announce(now, decision, ProjectedBodies(hosting_, handed_over_));
+  handed_over_.clear();
   const Hosting::Counts& c = hosting_.counts();
   changes_at_decision_ = c.spawned + c.removed + c.migrations_in + c.migrations_out;
   last_decision_ = now;
@@ -259,12 +322,16 @@ void RegionCore::migrate(Tick now) {
       rest = rest.subspan(count);
     }
   }
+  handed_over_.clear();
 }
 
 void RegionCore::emigrate(std::span<const BodyId> bodies, RegionId to, Tick now) {
-  HandoffGroup group = hosting_.release(bodies, now);
-  group.avatars = players_.release(bodies, to, now);
-  peers_.at(PeerId::region(to)).journal.append(FrameType::handoff, encode_handoff(group));
+  Hosting::Released released = hosting_.release(bodies, now, cut());
+  released.group.avatars = players_.release(bodies, to, now);
+  stand_ins_.left(released.left_behind, to, now);
+  handed_over_.insert(bodies.begin(), bodies.end());
+  peers_.at(PeerId::region(to))
+      .journal.append(FrameType::handoff, encode_handoff(released.group));
 }
 
 void RegionCore::send_player_output() {
