@@ -19,15 +19,12 @@
 #include <set>
 #include <unordered_map>
 
+#include "server/aura/aura_size.h"
 #include "server/aura/blow_forecast.h"
 #include "server/aura/migration_policy.h"
 
 namespace aureole {
 namespace {
-
-/// Auras reach this much further than their body (m): two that touch, or nearly, are known to each
-/// other even before they stir.
-constexpr double resting_margin_m = 0.08;
 
 /// Air that an island needs around it before it goes home (m); more than an aura is rounded by.
 constexpr double island_clearance_m = 0.1;
@@ -35,12 +32,6 @@ constexpr double island_clearance_m = 0.1;
 /// Whoever has moved or expected a blow stays where it is for so long before it counts as resting
 /// for good and goes home.
 constexpr std::int64_t quiet_ticks = 32;
-
-/// Two servers that both know of a pair need one flight; one that has to ask needs two, and the
-/// aura that it asks because of one more. One step more for what changes while it is decided.
-double reach_time_s(const AuraTolerances& tolerances) {
-  return (3 * steps_in_flight(tolerances) + 1) * (tick_us / 1e6);
-}
 
 class AdaptivePolicy final : public MigrationPolicy {
  public:
@@ -77,18 +68,6 @@ class AdaptivePolicy final : public MigrationPolicy {
   }
   bool rests(std::uint32_t body) const { return expected_mps_[body] <= 0; }
 
-  /// `speed_mps`: the fastest that the body may soon move; not positive: it rests.
-  AuraBox aura_of(const HostedBody& body, double speed_mps) const {
-    AuraBox box{body.position.vector(), body.half_extents};
-    double reach = resting_margin_m;
-    if (speed_mps > 0) {
-      const double fall = 0.5 * 9.81 * reach_s_ * reach_s_;
-      reach += speed_mps * reach_s_ + fall;
-    }
-    box.half.array() += reach;
-    return box;
-  }
-
   void prepare(const MigrationSituation& s) {
     boxes_.clear();
     moving_mps_.clear();
@@ -96,14 +75,16 @@ class AdaptivePolicy final : public MigrationPolicy {
       // What has just stopped may start again: it counts as moving, if only a little.
       moving_mps_.push_back(
           lies_still(body) ? -1.0 : std::max(body.surface_speed_mps, still_speed_mps));
-      boxes_.push_back(aura_of(body, moving_mps_.back()));
+      boxes_.push_back(moving_mps_.back() < 0 ? resting_aura(body) : flight_aura(body, reach_s_));
     }
     grid_.build(boxes_);
-    forecast_.compute(s, moving_mps_, boxes_, grid_, expected_mps_);
+    forecast_.compute(s, moving_mps_, boxes_, grid_, expected_mps_, disturbed_);
     bool grown = false;
     for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
-      if (expected_mps_[i] <= std::max(moving_mps_[i], 0.0)) continue;
-      boxes_[i] = aura_of(s.hosted[i], expected_mps_[i]);
+      if (rests(i) || (!disturbed_[i] && !s.hosted[i].near_geometry &&
+                       expected_mps_[i] <= moving_mps_[i]))
+        continue;
+      boxes_[i] = struck_aura(s.hosted[i], expected_mps_[i], reach_s_);
       grown = true;
     }
     if (grown) grid_.build(boxes_);
@@ -227,9 +208,8 @@ class AdaptivePolicy final : public MigrationPolicy {
   /// Whether the body alone would let its island leave.
   bool may_leave(const MigrationSituation& s, std::uint32_t i) const {
     const HostedBody& body = s.hosted[i];
-    // Who moves may be met again as soon as it is home, and would be back at once.
-    const std::int64_t stay = body.asleep ? stay_ticks : 2 * stay_ticks;
-    return is_away(s, i) && !contested_[i] && s.now - body.changed_owner >= stay &&
+    // Who goes home may be met there at once, and fetched back.
+    return is_away(s, i) && !contested_[i] && s.now - body.changed_owner >= long_stay_ticks &&
            (!rests(i) || !unrest_.contains(body.id));
   }
 
@@ -298,6 +278,7 @@ class AdaptivePolicy final : public MigrationPolicy {
   double reach_s_;
   std::vector<AuraBox> boxes_;
   std::vector<double> moving_mps_;    ///< Of each body by itself; negative: it lies still.
+  std::vector<bool> disturbed_;       ///< Meets something on its way.
   std::vector<double> expected_mps_;  ///< With the blows that it may take; 0: it rests.
   OverlapGrid grid_;
   BlowForecast forecast_;

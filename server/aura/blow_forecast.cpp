@@ -25,9 +25,10 @@ void BlowForecast::strike(std::uint32_t body, double speed_mps,
 
 void BlowForecast::compute(const MigrationSituation& s, std::span<const double> moving_mps,
                            std::span<const AuraBox> boxes, const OverlapGrid& grid,
-                           std::vector<double>& expected_mps) {
+                           std::vector<double>& expected_mps, std::vector<bool>& disturbed) {
   const auto count = static_cast<std::uint32_t>(s.hosted.size());
   expected_mps.assign(count, 0.0);
+  disturbed.assign(count, false);
   front_.clear();
   for (std::uint32_t i = 0; i < count; ++i) expected_mps[i] = std::max(moving_mps[i], 0.0);
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -35,20 +36,27 @@ void BlowForecast::compute(const MigrationSituation& s, std::span<const double> 
     found_.clear();
     grid.find(boxes[i], found_);
     for (std::uint32_t other : found_) {
+      if (other == i) continue;
+      disturbed[i] = disturbed[other] = true;
       const double e = s.hosted[i].restitution * s.hosted[other].restitution;
-      strike(other, passed_on_mps(moving_mps[i], s.hosted[i].mass_kg, s.hosted[other].mass_kg, e),
+      const double closing = moving_mps[i] + std::max(moving_mps[other], 0.0);
+      strike(other, passed_on_mps(closing, s.hosted[i].mass_kg, s.hosted[other].mass_kg, e),
              expected_mps);
     }
   }
   for (const RemoteAura& aura : s.remote) {
-    if (aura.resting) continue;
     found_.clear();
     grid.find(aura.box, found_);
-    for (std::uint32_t other : found_)
-      strike(other,
-             passed_on_mps(aura.speed_mps, aura.mass_kg, s.hosted[other].mass_kg,
-                           s.hosted[other].restitution),
-             expected_mps);
+    for (std::uint32_t other : found_) {
+      if (s.hosted[other].id == aura.id) continue;
+      disturbed[other] = true;
+      const double closing = aura.speed_mps + std::max(moving_mps[other], 0.0);
+      if (!aura.resting)
+        strike(other,
+               passed_on_mps(closing, aura.mass_kg, s.hosted[other].mass_kg,
+                             s.hosted[other].restitution),
+               expected_mps);
+    }
   }
   if (s.contacts == nullptr) return;
   for (std::size_t k = 0; k < front_.size(); ++k) {

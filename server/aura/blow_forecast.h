@@ -27,10 +27,11 @@ double passed_on_mps(double speed_mps, double striking_kg, double struck_kg, dou
 class BlowForecast {
  public:
   /// `boxes` are the auras of `hosted` by their own motion, in `grid`. `moving_mps` is each body's
-  /// own speed, negative for one that rests.
+  /// own speed, negative for one that rests. `disturbed`: whether the body meets anything on its way,
+  /// ours or another server's, so that it may go on in any direction.
   void compute(const MigrationSituation& situation, std::span<const double> moving_mps,
                std::span<const AuraBox> boxes, const OverlapGrid& grid,
-               std::vector<double>& expected_mps);
+               std::vector<double>& expected_mps, std::vector<bool>& disturbed);
 
  private:
   void strike(std::uint32_t body, double speed_mps, std::vector<double>& expected_mps);

@@ -30,7 +30,11 @@ struct HostedBody {
   WorldPosition position;
   Eigen::Vector3d half_extents{0, 0, 0};  ///< Of the box around the body as it stands (m).
   double bounding_radius_m = 0;           ///< R_o
+  Eigen::Vector3d velocity_mps{0, 0, 0};  ///< Of its centre.
   double surface_speed_mps = 0;           ///< Fastest that any point of it moves.
+  bool round = false;                     ///< A sphere: it rolls where it is going.
+  bool near_ground = false;               ///< A plane is within what it can reach in flight.
+  bool near_geometry = false;             ///< So is other immovable geometry.
   double mass_kg = 1;
   double restitution = 0;  ///< 0 … 1
   bool asleep = false;
@@ -54,6 +58,7 @@ struct RemoteAura {
   bool asleep = false;
   /// It rests and expects no blow (adaptive).
   bool resting = false;
+  bool left_its_place = false;  ///< It is not any more where its owner last said that it rests.
   double speed_mps = 0;  ///< The fastest that it may soon move (adaptive).
   double mass_kg = 1;
 };
@@ -155,5 +160,8 @@ inline constexpr double resting_hysteresis_m = 0.1;
 /// Half a second: at most two changes of owner in any second. Where a body may be fetched back at
 /// any moment (auras), what moves waits twice as long before it goes home.
 inline constexpr std::int64_t stay_ticks = 32;
+/// The same for whoever may be fetched back at any moment: a second and a bit, so that a body that
+/// goes home, is fetched and goes home again has changed its owner twice in a second.
+inline constexpr std::int64_t long_stay_ticks = 64;
 
 }  // namespace aureole

@@ -14,7 +14,7 @@ namespace {
 /// Half extents travel in steps of 1/64 m, speeds in steps of 1/64 m/s.
 constexpr double extent_step_m = 1.0 / 64;
 constexpr double speed_step_mps = 1.0 / 64;
-constexpr std::uint8_t asleep_flag = 1, resting_flag = 2;
+constexpr std::uint8_t asleep_flag = 1, resting_flag = 2, left_flag = 4;
 /// News of resting bodies that may wait for a step; more than this is made up.
 constexpr std::size_t resting_news_max = 4 * AuraExchange::max_auras;
 
@@ -39,6 +39,7 @@ Result<RemoteAura> from_wire(const wire::Aura& aura, RegionId host) {
   remote.host = host;
   remote.asleep = (aura.flags() & asleep_flag) != 0;
   remote.resting = (aura.flags() & resting_flag) != 0;
+  remote.left_its_place = (aura.flags() & left_flag) != 0;
   remote.speed_mps = aura.speed() * speed_step_mps;
   remote.mass_kg = double{aura.mass_kg()};
   remote.box.centre = dequantise(position).vector();
@@ -147,7 +148,7 @@ SharedBytes AuraExchange::frame_for(Peer& peer, std::map<BodyId, Sent>&& wanted,
   std::vector<wire::Resting> resting;
   std::vector<std::uint64_t> removed, handed_over;
   std::map<BodyId, Projection> projected;
-  for (const auto& [body, sent] : wanted) {
+  for (auto& [body, sent] : wanted) {
     const auto before = peer.projected.find(body);
     const bool known = before != peer.projected.end();
     Projection& projection = projected[body];
@@ -155,11 +156,15 @@ SharedBytes AuraExchange::frame_for(Peer& peer, std::map<BodyId, Sent>&& wanted,
     if ((sent.flags & resting_flag) != 0) {
       const NewBody exact = bodies.resting_body(body);
       const bool told = known && (before->second.sent.flags & resting_flag) != 0;
-      if (!told || has_crept(projection.position, projection.orientation, exact.state)) {
+      if (!projection.rested || !told || has_crept(projection.position, projection.orientation, exact.state)) {
         resting.push_back(encode_resting(exact));
         projection.position = exact.state.position;
         projection.orientation = exact.state.orientation;
+        projection.rested = true;
       }
+    } else if (projection.rested &&
+               distance(projection.position, bodies.resting_body(body).state.position) > left_m) {
+      sent.flags |= left_flag;
     }
     if (known && before->second.sent == sent) continue;
     projection.sent = sent;

@@ -75,6 +75,8 @@ class AuraExchange {
   /// A resting body that creeps is told anew when it is this far from where it was told (m, rad).
   static constexpr double creep_m = 0.001;
   static constexpr double creep_rad = 0.003;
+  /// Farther from where it rested than this, a body that moves is not there any more (m).
+  static constexpr double left_m = 0.02;
 
  private:
   /// As it travels: equal bytes need not be sent again.
@@ -87,7 +89,8 @@ class AuraExchange {
   };
   struct Projection {
     Sent sent;
-    WorldPosition position;  ///< As told in a Resting, if the flags say that it rests.
+    bool rested = false;     ///< Whether `position` and `orientation` were told.
+    WorldPosition position;  ///< Where it was last said to rest.
     Eigen::Quaternionf orientation{Eigen::Quaternionf::Identity()};
   };
   struct Peer {

@@ -171,7 +171,7 @@ std::vector<BodyId> Hosting::accept(const HandoffGroup& group, Tick now) {
     records_.emplace(id, Record{last ? arriving.epoch : arriving.epoch + 1, now,
                                 now - arriving.still_ticks});
   }
-  physics_.turn_into_bodies(taken);
+  physics_.add(taken);
   for (BodyId id : ids) publisher_.body_gained(id, version(id));
 
   std::vector<ContactManifold> contacts;

@@ -30,6 +30,7 @@ RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation 
       hosting_(world, self, incarnation),
       players_(world, map_, self, hosting_),
       stand_ins_(hosting_.physics()),
+      nearby_geometry_(hosting_.statics()),
       injected_(world.injectors.size(), 0) {
   AUREOLE_CHECK(self.value < world.regions.size(), "a core is one of its world's regions");
   for (std::size_t i = 0; i < world.regions.size(); ++i)

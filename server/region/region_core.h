@@ -23,6 +23,7 @@
 #include "server/region/handoff/journal.h"
 #include "server/region/hosting.h"
 #include "server/region/players/effects.h"
+#include "server/region/nearby_geometry.h"
 #include "server/region/players/players.h"
 #include "server/region/stand_ins/stand_in_watch.h"
 #include "server/region/stand_ins/stand_ins.h"
@@ -173,6 +174,7 @@ class RegionCore {
   std::vector<PlayerCommand> arrived_commands_;
   std::deque<BlastEffect> blasts_;           ///< To come and recent, by tick.
   std::map<BodyId, Tick> pending_removals_;  ///< Of bodies that may be on their way here.
+  NearbyGeometry nearby_geometry_;
   PlayerOutput player_output_;
   std::vector<Outgoing> outbox_;
   std::vector<std::uint64_t> injected_;  ///< For each injector, how many it had made.

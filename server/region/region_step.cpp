@@ -3,6 +3,7 @@
 #include <set>
 
 #include "protocol/wire.h"
+#include "server/aura/aura_size.h"
 #include "server/base/check.h"
 #include "server/region/handoff/catch_up.h"
 #include "server/region/region_core.h"
@@ -269,13 +270,16 @@ std::vector<HostedBody> RegionCore::hosted_bodies(Tick now) {
     body.position = state.position;
     body.half_extents = physics.half_extents(id).cast<double>();
     body.bounding_radius_m = hosting_.radius(prototype);
+    body.velocity_mps = state.linear_velocity.cast<double>();
     body.surface_speed_mps =
         state.linear_velocity.norm() + state.angular_velocity.norm() * hosting_.radius(prototype);
     body.mass_kg = definition.mass_kg;
     body.restitution = definition.restitution;
+    body.round = std::holds_alternative<SphereShape>(definition.shape);
     body.asleep = state.activation == Activation::asleep;
     body.still_ticks = hosting_.note_stillness(id, body.surface_speed_mps, now);
     body.pressed = stand_in_watch_.is_pressed(id, now);
+    if (body.still_ticks == 0) nearby_geometry_.look(body, reach_time_s(world_.tolerances));
     if (leader != leaders.end()) body.leader = leader->second;
     body.changed_owner = hosting_.changed_owner(id);
   }

@@ -12,22 +12,21 @@ bool same_pose(const BodyState& a, const BodyState& b) {
 
 void StandIns::put(const NewBody& body, const Entry& entry) {
   entries_[body.id] = entry;
-  if (physics_.is_stand_in(body.id)) {
-    if (same_pose(physics_.stand_in(body.id).state, body.state)) return;
-    physics_.remove_stand_ins(std::span(&body.id, 1), Wake::nobody);
-  }
+  // Put up anew, it would lose the contacts that others have with it.
+  if (physics_.is_stand_in(body.id) && same_pose(physics_.stand_in(body.id).state, body.state))
+    return;
   physics_.add_stand_ins(std::span(&body, 1));
 }
 
 void StandIns::left(std::span<const BodyId> ids, RegionId to, Tick now) {
   for (BodyId id : ids)
-    entries_[id] = {to, false, now, physics_.stand_in(id).state.position};
+    entries_[id] = {to, false, now};
 }
 
 void StandIns::came_along(std::span<const NewBody> bodies, RegionId from, Tick now) {
   for (const NewBody& body : bodies) {
     if (physics_.contains(body.id) || entries_.contains(body.id)) continue;
-    put(body, {from, false, now, body.state.position});
+    put(body, {from, false, now});
   }
 }
 
@@ -40,11 +39,11 @@ void StandIns::take(std::span<const RestingNews> news, Tick now) {
     const BodyId id = item.body.id;
     if (item.kind == RestingNews::Kind::told_all) {
       for (auto& [stand_in, entry] : entries_)
-        if (entry.sponsor == item.from) entry = {entry.sponsor, false, now, entry.position};
+        if (entry.sponsor == item.from) entry = {entry.sponsor, false, now};
       continue;
     }
     if (item.kind == RestingNews::Kind::rests) {
-      if (!physics_.contains(id)) put(item.body, {item.from, true, now, item.body.state.position});
+      if (!physics_.contains(id)) put(item.body, {item.from, true, now});
       continue;
     }
     const auto at = entries_.find(id);
@@ -65,9 +64,8 @@ void StandIns::tidy(std::span<const RemoteAura> remote, Tick now) {
   auto aura = remote.begin();
   for (const auto& [id, entry] : entries_) {
     while (aura != remote.end() && aura->id < id) ++aura;
-    const bool told = aura != remote.end() && aura->id == id && !aura->resting;
-    const bool moved =
-        told && (aura->box.centre - entry.position.vector()).norm() > moved_m;
+    const bool told = aura != remote.end() && aura->id == id;
+    const bool moved = told && aura->left_its_place;
     if (moved || (!entry.vouched && now - entry.since > grace_ticks)) down.push_back(id);
   }
   for (BodyId id : down) entries_.erase(id);

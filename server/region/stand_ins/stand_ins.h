@@ -38,15 +38,12 @@ class StandIns {
 
   /// About a second of flights; more than any two owners need to hand a body over.
   static constexpr std::int64_t grace_ticks = 32;
-  /// Farther from where it stands than this, the body is not there any more (m).
-  static constexpr double moved_m = 0.02;
 
  private:
   struct Entry {
     RegionId sponsor;
     bool vouched = false;  ///< Its owner said that it rests, and has not taken it back.
     Tick since;            ///< When the present state of `vouched` began.
-    WorldPosition position;
   };
   void put(const NewBody& body, const Entry& entry);
 
