@@ -354,6 +354,16 @@ TEST_CASE("what is carried goes with its carrier, and holds it back as well") {
   REQUIRE(servers.owner_of('t') == 1);
 }
 
+TEST_CASE("where a carried thing enters another server's aura, its carrier goes as well") {
+  Servers servers(figure_1());
+  servers.put('C', 0, -2, -20);
+  servers.put('t', 1, 1, -20).leader = name('a');
+  servers.put('a', 1, 9, -20);
+  servers.step(2);
+  REQUIRE(servers.owner_of('t') == 0);
+  REQUIRE(servers.owner_of('a') == 0);
+}
+
 TEST_CASE("a server without a link is told nothing and handed nothing") {
   Servers servers(figure_1());
   servers.linked[1] = false;
