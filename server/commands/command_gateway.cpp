@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "server/commands/commands.h"
+#include "server/commands/mode_option.h"
 #include "server/commands/peer_options.h"
 #include "server/gateway/gateway.h"
 #include "server/ops/incarnation.h"
@@ -22,6 +23,7 @@ namespace {
 struct GatewayCommandOptions {
   std::string world = "playground";
   std::optional<int> regions;
+  std::string mode;  ///< Empty: as the world file says.
   std::string listen = "127.0.0.1:8080";
   std::vector<std::string> addresses;
   std::string web_root;
@@ -33,7 +35,8 @@ struct GatewayCommandOptions {
 int run_gateway(const GatewayCommandOptions& options) {
   if (auto ok = start_logging("gateway", chosen_log_level(options.log_level)); !ok)
     return complain(exit_usage, ok.error().message);
-  const auto world = load_world(options.world, {options.regions});
+  const auto world =
+      load_world(options.world, {options.regions, migration_mode_from(options.mode)});
   if (!world) return complain(exit_usage, world.error().message);
   const auto listen = parse_endpoint(options.listen);
   if (!listen) return complain(exit_usage, "--listen: " + listen.error().message);
@@ -78,6 +81,7 @@ void add_gateway(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("--regions", options->regions,
                       "Split the world's extent anew into this many regions");
+  add_mode_option(*command, options->mode);
   command->add_option("--listen", options->listen, "Address for browsers, host:port")
       ->capture_default_str();
   command->add_option("--region", options->addresses,

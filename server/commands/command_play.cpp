@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "server/commands/commands.h"
+#include "server/commands/mode_option.h"
 #include "server/ops/installation.h"
 #include "server/ops/logging.h"
 #include "server/ops/ports.h"
@@ -17,7 +18,8 @@ namespace {
 
 struct PlayOptions {
   std::string world = "playground";
-  int regions = 0;  ///< 0: as the world file says.
+  int regions = 0;   ///< 0: as the world file says.
+  std::string mode;  ///< Empty: likewise.
   int port = 8080;
   std::string host = "127.0.0.1";
   std::string web_root;
@@ -59,8 +61,9 @@ int play(const PlayOptions& options) {
   plan.world = options.world;
   plan.host = options.host;
   plan.log_level = log_level;
+  plan.mode = options.mode;
   if (options.regions != 0) plan.regions = options.regions;
-  const auto world = load_world(options.world, {.regions = plan.regions});
+  const auto world = load_world(options.world, {plan.regions, migration_mode_from(plan.mode)});
   if (!world) return complain(exit_usage, world.error().message);
 
   const auto own_binary = executable_path();
@@ -110,6 +113,7 @@ void add_play(CLI::App& app, int& exit_code) {
                    "Split the world anew into this many regions: 1, 2, 4 and 9 as a grid, other\n"
                    "numbers as columns. Without it the world file's own regions count")
       ->check(CLI::Range(1, 64));
+  add_mode_option(*command, options->mode);
   command->add_option("--port", options->port, "Port of the page; 0 takes any free one")
       ->check(CLI::Range(0, 65'535))
       ->capture_default_str();

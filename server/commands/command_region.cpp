@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "server/commands/commands.h"
+#include "server/commands/mode_option.h"
 #include "server/commands/peer_options.h"
 #include "server/net/region_server.h"
 #include "server/ops/incarnation.h"
@@ -20,6 +21,7 @@ namespace {
 struct RegionOptions {
   std::string world = "playground";
   std::optional<int> regions;
+  std::string mode;  ///< Empty: as the world file says.
   int region = 0;
   std::string listen;
   std::vector<std::string> peers;
@@ -31,7 +33,8 @@ int run_region(const RegionOptions& options) {
   const std::string role = fmt::format("r{}", options.region);
   if (auto ok = start_logging(role, chosen_log_level(options.log_level)); !ok)
     return complain(exit_usage, ok.error().message);
-  const auto world = load_world(options.world, {options.regions});
+  const auto world =
+      load_world(options.world, {options.regions, migration_mode_from(options.mode)});
   if (!world) return complain(exit_usage, world.error().message);
   const int count = static_cast<int>(world->regions.size());
   if (options.region < 0 || options.region >= count)
@@ -83,6 +86,7 @@ void add_region(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("--regions", options->regions,
                       "Split the world's extent anew into this many regions");
+  add_mode_option(*command, options->mode);
   command->add_option("--region", options->region, "Which of the world's regions this is, from 0")
       ->required();
   command->add_option(

@@ -16,6 +16,10 @@ std::vector<std::string> common_arguments(const char* subcommand, const WorldPla
     out.emplace_back("--regions");
     out.push_back(std::to_string(*plan.regions));
   }
+  if (!plan.mode.empty()) {
+    out.emplace_back("--mode");
+    out.push_back(plan.mode);
+  }
   return out;
 }
 

@@ -16,6 +16,7 @@ struct ProcessPlan {
 struct WorldPlan {
   std::string world;           ///< As the user named it.
   std::optional<int> regions;  ///< --regions, if the user gave it.
+  std::string mode;            ///< --mode; empty if the user did not give it.
   std::string host;            ///< Numeric address on which the page is served.
   std::uint16_t port = 0;      ///< Of the page; not 0.
   std::string web_root;

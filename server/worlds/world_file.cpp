@@ -68,8 +68,9 @@ std::optional<std::string> split(WorldDefinition& world, const Rectangle& extent
 
 void read_world(const JsonNode& root, WorldDefinition& world, const WorldFileOptions& options) {
   if (!root.object({"$schema", "name", "description", "physics", "tolerances", "bounds", "extent",
-                    "max_bodies", "max_thrown_per_player", "regions", "palettes", "definitions",
-                    "statics", "bodies", "injectors", "spawn_points", "throwables", "avatar"})) {
+                    "max_bodies", "max_thrown_per_player", "mode", "regions", "palettes",
+                    "definitions", "statics", "bodies", "injectors", "spawn_points", "throwables",
+                    "avatar"})) {
     return;
   }
   WorldReading reading(root, world);
@@ -77,6 +78,8 @@ void read_world(const JsonNode& root, WorldDefinition& world, const WorldFileOpt
   if (const auto d = root.find("description")) world.description = d->text(8192);
   if (const auto p = root.find("physics")) read_physics(*p, world.physics);
   if (const auto t = root.find("tolerances")) read_tolerances(*t, world.tolerances);
+  if (const auto m = root.find("mode")) world.mode = read_mode(*m);
+  if (options.mode) world.mode = *options.mode;
   const JsonNode bounds = root.at("bounds");
   world.bounds = read_box(bounds, bounds_m);
   if (root.ok() && (world.bounds.min.array() >= world.bounds.max.array()).any()) {

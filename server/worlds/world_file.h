@@ -14,7 +14,9 @@ namespace aureole {
 struct WorldFileOptions {
   /// Splits the world's bounds anew into this many regions: 1, 2, 4, 9 as a grid (2 as two
   /// columns), other numbers as columns; without it the file's own rectangles count. 1 … 64.
-  std::optional<int> regions;
+  std::optional<int> regions = {};
+  /// Instead of the file's own "mode".
+  std::optional<MigrationMode> mode = {};
 };
 
 /// `path` may also be the bare name of a shipped world ("playground").

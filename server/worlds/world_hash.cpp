@@ -34,6 +34,7 @@ void WorldHasher::settings(const WorldDefinition& w) {
   point(w.physics.origin);
   number(w.tolerances.speed_mps), number(w.tolerances.latency_ms),
       number(w.tolerances.frame_time_ms);
+  h.add(static_cast<std::uint8_t>(w.mode));
   count(w.regions.size());
   for (const RegionDefinition& r : w.regions) {
     text(r.name);

@@ -21,6 +21,7 @@ struct WorldReading {
 
 void read_physics(const JsonNode& node, PhysicsSettings& settings);
 void read_tolerances(const JsonNode& node, AuraTolerances& tolerances);
+MigrationMode read_mode(const JsonNode& node);
 Box3 read_box(const JsonNode& node, const NumberRange& range);
 Rectangle read_area(const JsonNode& node);
 

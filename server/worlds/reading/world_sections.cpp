@@ -109,6 +109,13 @@ void read_tolerances(const JsonNode& node, AuraTolerances& tolerances) {
       optional_number(node, "frame_time_ms", tolerances.frame_time_ms, {0.1, 1000, "ms"});
 }
 
+MigrationMode read_mode(const JsonNode& node) {
+  const auto mode = node.is_string() ? migration_mode_from(node.text(name_bytes_max))
+                                     : std::optional<MigrationMode>{};
+  if (!mode) node.expected("\"naive\", \"paper\" or \"adaptive\"");
+  return mode.value_or(MigrationMode::adaptive);
+}
+
 void read_regions(const JsonNode& node, WorldReading& reading) {
   for (const JsonNode& item : node.items(1, regions_max)) {
     if (!item.object({"name", "area"})) return;

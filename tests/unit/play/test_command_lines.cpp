@@ -50,6 +50,19 @@ TEST_CASE("a split that the user asked for reaches every process") {
   }
 }
 
+TEST_CASE("a mode that the user asked for reaches every process, and no other is named") {
+  auto plan = three_regions();
+  for (const std::string mode : {"", "paper"}) {
+    plan.mode = mode;
+    for (const auto& process : processes_of(plan)) {
+      const auto& words = process.arguments;
+      const auto at = std::find(words.begin(), words.end(), "--mode");
+      REQUIRE((at == words.end()) == mode.empty());
+      if (!mode.empty()) REQUIRE(*(at + 1) == mode);
+    }
+  }
+}
+
 TEST_CASE("the URL to open names this machine as a person would") {
   REQUIRE(page_url("127.0.0.1", 8080) == "http://localhost:8080");
   REQUIRE(page_url("0.0.0.0", 81) == "http://localhost:81");

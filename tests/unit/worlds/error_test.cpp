@@ -48,6 +48,10 @@ TEST_CASE("wrong types, missing keys and unknown keys are named with their JSON 
       {R"("min_x": 0)", R"("elephants": 0)",
        "w.json: /regions/1/area/elephants: found an unknown key, expected one of min_x, max_x, "
        "min_z, max_z"},
+      {R"("name": "small")", R"("name": "small", "mode": "fast")",
+       R"(w.json: /mode: found "fast", expected "naive", "paper" or "adaptive")"},
+      {R"("name": "small")", R"("name": "small", "mode": 2)",
+       R"(w.json: /mode: found 2, expected "naive", "paper" or "adaptive")"},
       {R"("max_bodies": 50)", R"("max_bodies": 2.5)",
        "w.json: /max_bodies: found 2.5, expected a whole number from 1 to 100000"},
       {R"("max_bodies": 50)", R"("max_bodies": 18446744073709551615)",

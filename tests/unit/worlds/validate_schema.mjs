@@ -49,6 +49,7 @@ const breakages = {
   "a bad colour": (w) => (w.avatar.colour = "#12345g"),
   "three throwables": (w) => w.throwables.pop(),
   "no spawn point": (w) => (w.spawn_points = []),
+  "an unknown mode": (w) => (w.mode = "fast"),
 };
 const playground = readFileSync(join(folder, "playground.json"), "utf8");
 for (const [what, break_it] of Object.entries(breakages)) {

@@ -67,11 +67,24 @@ TEST_CASE("the hash is of the world, not of its text") {
            {R"("type": "plane" })", R"("type": "plane" }, "friction": 0.6)"},
            {R"("name": "small")", R"("name": "small", "physics": { "solver_iterations": 11 })"},
            {R"("name": "small")", R"("name": "small", "tolerances": { "latency_ms": 3 })"},
+           {R"("name": "small")", R"("name": "small", "mode": "paper")"},
            {R"("name": "small")", R"("name": "small", "avatar": { "mass_kg": 81 })"}}) {
     INFO(to);
     CHECK(hash_with(from, to) != hash);
   }
   CHECK(parse(small_world, {4})->hash != parse(small_world, {2})->hash);
+}
+
+TEST_CASE("the mode is adaptive unless the file says otherwise, and --mode has the last word") {
+  REQUIRE(parse(small_world)->mode == MigrationMode::adaptive);
+  const std::string paper =
+      with(small_world, R"("name": "small")", R"("name": "small", "mode": "paper")");
+  REQUIRE(parse(paper)->mode == MigrationMode::paper);
+  const auto naive = parse(paper, {{}, MigrationMode::naive});
+  REQUIRE(naive->mode == MigrationMode::naive);
+  // Servers of different modes refuse each other; it does not matter where the mode comes from.
+  REQUIRE(naive->hash != parse(paper)->hash);
+  REQUIRE(parse(paper, {{}, MigrationMode::adaptive})->hash == parse(small_world)->hash);
 }
 
 TEST_CASE("a split replaces the regions over bounds or extent, and hosts go with them") {

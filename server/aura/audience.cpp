@@ -1,0 +1,42 @@
+// Sets of regions, and who is in the audience of an aura.
+#include "server/aura/audience.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "server/base/check.h"
+
+namespace aureole {
+
+RegionId RegionSet::lowest() const {
+  AUREOLE_CHECK(bits_ != 0, "an empty set has no lowest region");
+  return RegionId{static_cast<std::uint16_t>(std::countr_zero(bits_))};
+}
+
+std::vector<RegionId> RegionSet::regions() const {
+  std::vector<RegionId> all;
+  for (std::uint64_t rest = bits_; rest != 0; rest &= rest - 1)
+    all.push_back(RegionId{static_cast<std::uint16_t>(std::countr_zero(rest))});
+  return all;
+}
+
+RegionSet audience_of(const PartitionMap& map, RegionId host, const WorldPosition& centre,
+                      double reach_m) {
+  AUREOLE_CHECK(map.size() <= RegionSet::capacity, "a world has at most 64 regions");
+  const Rectangle& home = map.area(host);
+  RegionSet told;
+  const bool inside = centre.x - reach_m >= home.min_x && centre.x + reach_m < home.max_x &&
+                      centre.z - reach_m >= home.min_z && centre.z + reach_m < home.max_z;
+  if (inside) return told;
+  const auto& near = map.neighbours(host);
+  for (const RegionId reached : map.regions_within(centre.x, centre.z, reach_m)) {
+    told.add(reached);
+    for (const RegionId around : map.neighbours(reached)) told.add(around);
+    if (reached == host || std::binary_search(near.begin(), near.end(), reached)) continue;
+    for (std::size_t i = 0; i < map.size(); ++i) told.add(RegionId{static_cast<std::uint16_t>(i)});
+  }
+  told.remove(host);
+  return told;
+}
+
+}  // namespace aureole
