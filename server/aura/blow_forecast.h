@@ -13,17 +13,26 @@ namespace aureole {
 /// Slower blows than this are not passed on (m/s): what a stand-in takes without harm.
 inline constexpr double blow_speed_min_mps = 0.1;
 
-/// How fast a body of mass `struck_kg` may become when one of `striking_kg` meets it at `speed_mps`:
-/// a central collision of two free bodies, v (1 + e) m / (m + M), with some room for those that
-/// turn and for blows from two sides at once.
-double passed_on_mps(double speed_mps, double striking_kg, double struck_kg, double restitution);
+/// What moves a body that is struck, and through it the next ones.
+struct Blow {
+  double momentum_kgmps = 0;  ///< What there is to share.
+  double moving_kg = 0;       ///< Mass of everything on the way here that it moves along.
+
+  /// The fastest that it can make a body: momentum over the mass of all that moves together, and
+  /// (1 + e) times that if it bounces off.
+  double speed_mps(double struck_kg, double restitution) const {
+    return (1 + restitution) * momentum_kgmps / (moving_kg + struck_kg);
+  }
+};
 
 /// Fills `expected_mps` (by index in `hosted`): the fastest that each body may soon move, by itself
 /// or because of a blow; 0 for what rests and will not be struck.
 ///
 /// A blow begins where an aura of something that moves, ours or another server's, meets a body. From
 /// there it goes through contacts, as an impulse does: a ball into a row of ten moves all ten within
-/// five steps. Each contact passes on only a part, so that a heap does not move for ever.
+/// five steps. Along a row nothing is lost, but all that is pushed shares the momentum; where a body
+/// touches several others, each gets its share (twice an even one: force chains are uneven), so
+/// that a ball on a heap moves what is near it and not the whole heap.
 class BlowForecast {
  public:
   /// `boxes` are the auras of `hosted` by their own motion, in `grid`. `moving_mps` is each body's
@@ -34,8 +43,11 @@ class BlowForecast {
                std::vector<double>& expected_mps, std::vector<bool>& disturbed);
 
  private:
-  void strike(std::uint32_t body, double speed_mps, std::vector<double>& expected_mps);
+  void strike(const HostedBody& struck, std::uint32_t index, const Blow& blow, double restitution,
+              std::vector<double>& expected_mps);
+  void pass_on(const MigrationSituation& situation, std::vector<double>& expected_mps);
 
+  std::vector<Blow> blows_;           ///< The hardest that each body may take.
   std::vector<std::uint32_t> front_;  ///< Bodies whose blow has not been passed on yet.
   std::vector<std::uint32_t> found_;
   std::vector<BodyId> touched_;
