@@ -29,20 +29,58 @@ struct Part {
   btTransform local;
 };
 
-/// Signed distance of two convex shapes; their margins are round hulls around their cores.
-float convex_separation(const btConvexShape& a, const btTransform& pose_a, const btConvexShape& b,
-                        const btTransform& pose_b) {
-  const float margins = a.getMarginNonVirtual() + b.getMarginNonVirtual();
-  btVector3 towards = pose_b.getOrigin() - pose_a.getOrigin();
-  if (towards.fuzzyZero()) towards = btVector3(0, 1, 0);
+struct Placed {
+  const btConvexShape& shape;
+  const btTransform& pose;
+
+  btVector3 farthest(const btVector3& direction) const {
+    return pose(shape.localGetSupportVertexWithoutMarginNonVirtual(direction * pose.getBasis()));
+  }
+};
+
+/// How far b lies beyond a along a unit vector, the better way round. The signed distance of two
+/// convex shapes is the greatest of these over all directions: none can say too much.
+float gap_along(const Placed& a, const Placed& b, const btVector3& n) {
+  const auto beyond = [](const Placed& x, const Placed& y, const btVector3& direction) {
+    return direction.dot(y.farthest(-direction) - x.farthest(direction));
+  };
+  return std::max(beyond(a, b, n), beyond(b, a, n)) - a.shape.getMarginNonVirtual() -
+         b.shape.getMarginNonVirtual();
+}
+
+/// Signed distance as one of the algorithms finds it from a first guess at the direction, and that
+/// direction; margins are round hulls around the cores.
+float estimate(const Placed& a, const Placed& b, const btVector3& guess, btVector3& direction) {
+  const float margins = a.shape.getMarginNonVirtual() + b.shape.getMarginNonVirtual();
   btGjkEpaSolver2::sResults found;
-  if (btGjkEpaSolver2::Distance(&a, pose_a, &b, pose_b, towards, found))
-    return (found.witnesses[0] - found.witnesses[1]).length() - margins;
-  // Cores that overlap lie at least their margins deep, and where they just touch EPA may know
-  // less.
-  if (btGjkEpaSolver2::Penetration(&a, pose_a, &b, pose_b, towards, found, true))
-    return -std::max(margins, (found.witnesses[0] - found.witnesses[1]).length());
-  return -margins;
+  const auto apart = [&] { return found.witnesses[1] - found.witnesses[0]; };
+  direction = guess;
+  if (btGjkEpaSolver2::Distance(&a.shape, a.pose, &b.shape, b.pose, guess, found)) {
+    if (!apart().fuzzyZero()) direction = apart().normalized();
+    return apart().length() - margins;
+  }
+  if (!btGjkEpaSolver2::Penetration(&a.shape, a.pose, &b.shape, b.pose, guess, found, true))
+    return -margins;
+  if (!apart().fuzzyZero()) direction = apart().normalized();
+  return -apart().length();
+}
+
+/// Either algorithm now and then stops centimetres off. What it found is believed if its direction
+/// bears it out; otherwise it starts again elsewhere, and in the end the best direction counts.
+float convex_separation(const Placed& a, const Placed& b) {
+  constexpr float believed_within_m = 5e-4f;
+  const btVector3 towards = b.pose.getOrigin() - a.pose.getOrigin();
+  const btVector3 up(0, 1, 0);
+  const btVector3 first = towards.fuzzyZero() ? up : towards.normalized();
+  float best = gap_along(a, b, first);
+  for (const btVector3& guess : {first, -first, up, btVector3(1, 0, 0), btVector3(0, 0, 1),
+                                 btVector3(-0.6f, 0.64f, 0.48f)}) {
+    btVector3 direction;
+    const float found = estimate(a, b, guess, direction);
+    best = std::max(best, gap_along(a, b, direction));
+    if (std::abs(found - best) <= believed_within_m) break;
+  }
+  return best;
 }
 
 /// Depth of two boxes' overlap by the separating axis theorem, which is exact where EPA loses
@@ -73,7 +111,7 @@ float box_overlap(const btBoxShape& a, const btTransform& pose_a, const btBoxSha
 float sharp_box_separation(const btBoxShape& a, const btTransform& pose_a, const btBoxShape& b,
                            const btTransform& pose_b) {
   const float overlap = box_overlap(a, pose_a, b, pose_b);
-  return overlap > 0 ? -overlap : convex_separation(a, pose_a, b, pose_b);
+  return overlap > 0 ? -overlap : std::max(-overlap, convex_separation({a, pose_a}, {b, pose_b}));
 }
 
 }  // namespace
@@ -130,7 +168,7 @@ float ShapeProbe::Impl::separation(PrototypeId a, const btTransform& pose_a, Pro
       const btTransform at_y = pose_b * y.local;
       nearest = std::min(nearest, x.sharp && y.sharp
                                       ? sharp_box_separation(*x.sharp, at_x, *y.sharp, at_y)
-                                      : convex_separation(*x.shape, at_x, *y.shape, at_y));
+                                      : convex_separation({*x.shape, at_x}, {*y.shape, at_y}));
     }
   }
   return nearest;
