@@ -102,7 +102,8 @@ class PhysicsWorld {
   /// sorted. For one question; who asks about many takes contact_graph().
   std::vector<BodyId> touching(BodyId id) const;
   /// Who touches whom, bodies and stand-ins, the sleeping ones included. Built when it is first
-  /// asked for after a change (measured: 5,000 bodies in a heap about 1 ms), valid until the next.
+  /// asked for after a change (measured: 0.04 ms for 300 bodies in a heap, 1.5 ms for 5,000), valid
+  /// until the next.
   const ContactGraph& contact_graph() const;
   /// True if something carries the body: a contact whose normal points up by more than `min_up`.
   bool is_supported(BodyId id, float min_up = 0.6f) const;

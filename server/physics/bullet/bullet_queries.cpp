@@ -51,6 +51,18 @@ float squared_distance_to_box(const btVector3& p, const btVector3& low, const bt
   return (p - nearest).length2();
 }
 
+/// Visits each manifold with points whose both sides are bodies or stand-ins, in Bullet's order.
+template <class Visit>
+void for_each_touching(BulletWorld& world, const Visit& visit) {
+  for (int i = 0; i < world.dispatcher().getNumManifolds(); ++i) {
+    const auto& manifold = *world.dispatcher().getManifoldByIndexInternal(i);
+    if (manifold.getNumContacts() == 0) continue;
+    const BulletBody* a = body_of(manifold.getBody0());
+    const BulletBody* b = body_of(manifold.getBody1());
+    if (a && b) visit(*a, *b, manifold);
+  }
+}
+
 }  // namespace
 
 void for_each_pair(BulletWorld& world, const BulletBody& body,
@@ -74,33 +86,24 @@ std::vector<BodyId> bodies_touching(BulletWorld& world, const BulletBody& body) 
   return out;
 }
 
-void find_touching(const BulletWorld& world, std::vector<ContactGraph::Edge>& edges) {
+void find_touching(BulletWorld& world, std::vector<ContactGraph::Edge>& edges) {
   edges.clear();
-  const btDispatcher& dispatcher = world.dispatcher();
-  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
-    const auto* manifold = const_cast<btDispatcher&>(dispatcher).getManifoldByIndexInternal(i);
-    if (manifold->getNumContacts() == 0) continue;
-    const BulletBody* a = body_of(manifold->getBody0());
-    const BulletBody* b = body_of(manifold->getBody1());
-    if (a && b) edges.emplace_back(a->graph_index, b->graph_index);
-  }
+  for_each_touching(world, [&](const BulletBody& a, const BulletBody& b, const auto&) {
+    edges.emplace_back(a.graph_index, b.graph_index);
+  });
 }
 
 void append_stand_in_loads(BulletWorld& world, std::vector<StandInLoad>& out) {
   const auto begin = static_cast<std::ptrdiff_t>(out.size());
-  for (int i = 0; i < world.dispatcher().getNumManifolds(); ++i) {
-    const auto* manifold = world.dispatcher().getManifoldByIndexInternal(i);
-    if (manifold->getNumContacts() == 0) continue;
-    const BulletBody* a = body_of(manifold->getBody0());
-    const BulletBody* b = body_of(manifold->getBody1());
-    if (!a || !b) continue;
-    if (b->role == Role::stand_in) std::swap(a, b);
-    if (a->role != Role::stand_in || b->role != Role::body || !b->rigid.isActive()) continue;
+  for_each_touching(world, [&](const BulletBody& a, const BulletBody& b, const auto& manifold) {
+    const BulletBody& stand_in = a.role == Role::stand_in ? a : b;
+    const BulletBody& body = a.role == Role::stand_in ? b : a;
+    if (stand_in.role != Role::stand_in || !body.rigid.isActive()) return;
     float sum = 0;
-    for (int p = 0; p < manifold->getNumContacts(); ++p)
-      sum += manifold->getContactPoint(p).getAppliedImpulse();
-    out.push_back({a->id, b->id, sum});
-  }
+    for (int p = 0; p < manifold.getNumContacts(); ++p)
+      sum += manifold.getContactPoint(p).getAppliedImpulse();
+    out.push_back({stand_in.id, body.id, sum});
+  });
   // A compound pair has several manifolds. Sums of floats depend on their order: that of the sums
   // themselves is the same however the manifolds stand.
   std::sort(out.begin() + begin, out.end(), [](const StandInLoad& x, const StandInLoad& y) {

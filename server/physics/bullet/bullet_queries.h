@@ -16,7 +16,7 @@ void for_each_pair(BulletWorld& world, const BulletBody& body,
 
 std::vector<BodyId> bodies_touching(BulletWorld& world, const BulletBody& body);
 /// Who touches whom, by BulletBody::graph_index; a compound pair may be named more than once.
-void find_touching(const BulletWorld& world, std::vector<ContactGraph::Edge>& edges);
+void find_touching(BulletWorld& world, std::vector<ContactGraph::Edge>& edges);
 /// See PhysicsWorld::stand_in_loads.
 void append_stand_in_loads(BulletWorld& world, std::vector<StandInLoad>& out);
 bool has_support(BulletWorld& world, const BulletBody& body, float min_up);

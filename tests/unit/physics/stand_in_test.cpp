@@ -80,7 +80,7 @@ TEST_CASE("the lower two of a sleeping stack become stand-ins: nobody wakes and 
   CHECK(cut.state_hash() == stays.state_hash());
 }
 
-TEST_CASE("an awake stack on stand-ins stays within a millimetre, and so it does on going back") {
+TEST_CASE("an awake stack stands on stand-ins as on bodies, and again when they come to life") {
   // The careless tower still trembles when its lower part stops dead: its top strays by 3.6 mm.
   const std::pair<std::vector<NewBody>, double> towers[] = {{plain_tower(), 1e-3},
                                                             {careless_tower(), 5e-3}};
