@@ -47,6 +47,11 @@ void PhysicsWorld::add(std::span<const NewBody> bodies) {
   impl_->changed();
 }
 
+void PhysicsWorld::find_contacts(std::span<const BodyId> sleepers) {
+  detect_contacts(impl_->world, impl_->group_of(sleepers, &Impl::body));
+  impl_->changed();
+}
+
 void PhysicsWorld::add_stand_ins(std::span<const NewBody> bodies) {
   std::vector<BulletBody*> fresh, all;
   for (const NewBody& one : sorted_by_id(bodies)) {

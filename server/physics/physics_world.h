@@ -66,6 +66,9 @@ class PhysicsWorld {
   /// body, and nobody is woken; if none of its points is more than a millimetre from where the body
   /// comes, the contacts that others have with it are kept with their impulses.
   void add(std::span<const NewBody> bodies);
+  /// Looks at the pairs of bodies that came asleep, which a step would not do before they wake:
+  /// contact_graph() then knows what they touch.
+  void find_contacts(std::span<const BodyId> sleepers);
   /// Removes bodies with their pairs in one pass.
   void remove(std::span<const BodyId> ids, Wake wake = Wake::touching);
 

@@ -51,6 +51,10 @@ void Hosting::spawn(std::span<const NewBody> bodies, std::uint32_t epoch) {
     // Another region may have handed a body of this name over: what was first stays.
     if (records_.emplace(body.id, Record{epoch, never_changed, moved_before(body.state)}).second) born.push_back(body);
   physics_.add(born);
+  std::vector<BodyId> sleepers;
+  for (const NewBody& body : born)
+    if (body.state.activation == Activation::asleep) sleepers.push_back(body.id);
+  physics_.find_contacts(sleepers);
   for (const NewBody& body : born) publisher_.body_gained(body.id, version(body.id));
   counts_.spawned += born.size();
 }

@@ -30,7 +30,7 @@ class StandInWatch {
   template <class IsStill, class MassOf>
   void look(const PhysicsWorld& physics, Tick now, IsStill&& still, MassOf&& mass_kg) {
     loads_.clear();
-    physics.stand_in_loads(loads_);
+    if (!physics.stand_in_ids().empty()) physics.stand_in_loads(loads_);
     for (const StandInLoad& load : loads_)
       judge(load, now, still(load.body), mass_kg(load.stand_in));
     forget(now);

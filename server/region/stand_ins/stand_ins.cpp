@@ -12,6 +12,9 @@ bool same_pose(const BodyState& a, const BodyState& b) {
 
 void StandIns::put(const NewBody& body, const Entry& entry) {
   entries_[body.id] = entry;
+  const bool other_thing =
+      physics_.is_stand_in(body.id) && physics_.stand_in(body.id).prototype != body.prototype;
+  if (other_thing) physics_.remove_stand_ins(std::span(&body.id, 1), Wake::touching);
   // Put up anew, it would lose the contacts that others have with it.
   if (physics_.is_stand_in(body.id) && same_pose(physics_.stand_in(body.id).state, body.state))
     return;

@@ -73,7 +73,6 @@ TEST_CASE("a fast ball into the far end of a row across a boundary moves it as o
           one.step(100);
           INFO("row of " << count << " from " << first << ", " << speed << " m/s, delay " << delay);
           CHECK(struck(two, split) == 0);
-          WARN(row.size() << " " << first << " " << speed << " " << delay << " " << struck(two, split));
           const auto last = row.back();
           if (two.owner(last)) {
             const double a = one.state(last).position.x, b = two.state(last).position.x;
