@@ -47,6 +47,12 @@ inline bool vectors_are_aligned(const wire::Auras& t) {
 inline bool vectors_are_aligned(const wire::ReplicaUpdate& t) {
   return is_aligned(t.keys()) && is_aligned(t.removed()) && is_aligned(t.players());
 }
+inline bool vectors_are_aligned(const wire::RecoveryAnswer& t) {
+  return is_aligned(t.traces()) && is_aligned(t.states()) && is_aligned(t.players());
+}
+inline bool vectors_are_aligned(const wire::Snapshot& t) {
+  return is_aligned(t.injected()) && is_aligned(t.removals());
+}
 
 }  // namespace detail
 

@@ -62,6 +62,7 @@ void Hosting::spawn(std::span<const NewBody> bodies, std::uint32_t epoch) {
 void Hosting::remove(std::span<const BodyId> ids) {
   if (ids.empty()) return;
   for (BodyId id : ids) {
+    removed_.push_back({id, version(id)});
     publisher_.body_removed(id, version(id));
     records_.erase(id);
   }
@@ -192,6 +193,17 @@ std::vector<BodyId> Hosting::accept(const HandoffGroup& group, Tick now) {
   physics_.install_contacts(contacts);
   counts_.migrations_in += ids.size();
   return ids;
+}
+
+void Hosting::claim(std::span<const HandoffGroup::Body> bodies, Tick now) {
+  std::vector<NewBody> claimed;
+  for (const auto& body : bodies) {
+    claimed.push_back(body.body);
+    records_.emplace(body.body.id, Record{body.epoch, now, now - body.still_ticks});
+  }
+  physics_.add(claimed);
+  for (const NewBody& body : claimed) publisher_.body_gained(body.id, version(body.id));
+  counts_.recovered += claimed.size();
 }
 
 std::uint64_t Hosting::state_hash() const {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "server/aura/migration_policy.h"
@@ -62,10 +63,16 @@ class Hosting {
   /// bodies that are held here already are counted as conflicts; of the two the later epoch stays.
   /// The group's stand-ins must have been put up before.
   std::vector<BodyId> accept(const HandoffGroup& group, Tick now);
+  /// Hosts bodies that a recovery has claimed, under the very epochs that they come with. None may
+  /// be here already.
+  void claim(std::span<const HandoffGroup::Body> bodies, Tick now);
+  /// What was removed on purpose since the last call.
+  std::vector<RemovedBody> take_removed() { return std::exchange(removed_, {}); }
 
   struct Counts {
     std::uint64_t spawned = 0, removed = 0, migrations_in = 0, migrations_out = 0;
     std::uint64_t version_conflicts = 0;
+    std::uint64_t recovered = 0;
   };
   const Counts& counts() const { return counts_; }
   std::uint64_t state_hash() const;
@@ -87,6 +94,7 @@ class Hosting {
   PhysicsWorld physics_;
   ReplicaPublisher publisher_;
   std::unordered_map<BodyId, Record> records_;
+  std::vector<RemovedBody> removed_;
   Counts counts_;
 };
 

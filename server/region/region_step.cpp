@@ -5,6 +5,7 @@
 #include "protocol/wire.h"
 #include "server/aura/aura_size.h"
 #include "server/base/check.h"
+#include "server/region/closed_boundary.h"
 #include "server/region/handoff/catch_up.h"
 #include "server/region/region_core.h"
 #include "server/worlds/injector.h"
@@ -68,12 +69,14 @@ std::span<const T> piece(const std::vector<T>& all, std::size_t n, std::size_t s
 void RegionCore::step(Tick now, const ShellMeasurements& measured) {
   AUREOLE_CHECK(!started_ || now > last_tick_, "time goes forwards");
   outbox_.clear();
+  if (recovery_ && stays_frozen(now, measured)) return;
   // A region that was held up leaves ticks out; its bodies are then where they were at the last
   // one, which is the present as far as arriving groups are concerned.
   take_in(now);
   spawn(now);
   apply_blasts(now);
   players_.drive(now, player_output_);
+  hold_back(hosting_.physics(), map_, closed_regions(), tick_s);
   hosting_.physics().step(tick_s);
   watch_stand_ins(now);
   remove_strays(now);
@@ -83,9 +86,11 @@ void RegionCore::step(Tick now, const ShellMeasurements& measured) {
       hosting_.publisher().update(now, hosting_.physics(), players_.avatars());
   migrate(now);
   send_player_output();
+  note_traces(now);
   publish(now, update, measured);
   last_tick_ = now;
   started_ = true;
+  make_snapshot(now);
 }
 
 void RegionCore::take_in(Tick now) {
@@ -158,6 +163,11 @@ void RegionCore::take_in_commands(Tick now) {
 }
 
 void RegionCore::schedule_blast(const BlastEffect& blast, Tick now) {
+  // A region that has recovered sends again what it had sent before.
+  const auto is_known = [&](const BlastEffect& b) {
+    return b.id == blast.id && b.position == blast.position;
+  };
+  if (std::any_of(blasts_.begin(), blasts_.end(), is_known)) return;
   BlastEffect timely = blast;
   if (timely.tick < now) {
     ++extra_.late_effects;
@@ -209,6 +219,7 @@ void RegionCore::spawn(Tick now) {
     for (std::uint64_t n = injected_[i]; n < made; ++n) {
       const InjectedBody body = injected_body(injector, n);
       if (map_.region_at(body.state.position.x, body.state.position.z) != self_) continue;
+      if (made_before_.contains(BodyId::injected(static_cast<std::uint16_t>(i), n))) continue;
       if (!has_room(born.size() + 1)) {
         ++extra_.refused_bodies;
         continue;
@@ -331,11 +342,14 @@ void RegionCore::migrate(Tick now) {
 
 void RegionCore::emigrate(std::span<const BodyId> bodies, RegionId to, Tick now) {
   Hosting::Released released = hosting_.release(bodies, now, cut());
-  released.group.avatars = players_.release(bodies, to, now);
+  HandoffGroup& group = released.group;
+  group.avatars = players_.release(bodies, to, now);
   stand_ins_.left(released.left_behind, to, now);
   handed_over_.insert(bodies.begin(), bodies.end());
-  peers_.at(PeerId::region(to))
-      .journal.append(FrameType::handoff, encode_handoff(released.group));
+  Journal& journal = peers_.at(PeerId::region(to)).journal;
+  journal.append(FrameType::handoff, encode_handoff(group));
+  for (const auto& b : group.bodies)
+    traces_.remember({b.body.id, {b.epoch + 1, journal.peer(), to}, false}, now);
 }
 
 void RegionCore::send_player_output() {
@@ -369,7 +383,8 @@ std::vector<VersionedBody> RegionCore::passive_copies() const {
   std::vector<VersionedBody> copies;
   for (const auto& [id, peer] : peers_) {
     for (const Journal::Entry& entry : peer.journal.unacknowledged()) {
-      if (entry.type != FrameType::handoff) continue;
+      // What the receiver has taken it tells itself; it may have removed it since.
+      if (entry.type != FrameType::handoff || peer.journal.is_taken(entry)) continue;
       auto group =
           decode_handoff(entry.payload, hosting_.definitions().size(), hosting_.statics().size());
       AUREOLE_CHECK(group, "what was encoded here can be read back");
@@ -383,33 +398,44 @@ std::vector<VersionedBody> RegionCore::passive_copies() const {
   return copies;
 }
 
+SharedBytes RegionCore::status_frame(Tick now, const ShellMeasurements& measured) const {
+  const RegionStatistics s = statistics();
+  flatbuffers::FlatBufferBuilder builder(128);
+  return std::make_shared<const Bytes>(finish_frame(
+      builder,
+      wire::CreateRegionStatus(builder, now.value, static_cast<std::uint32_t>(s.bodies),
+                               static_cast<std::uint32_t>(s.awake), measured.frame_us_p50,
+                               measured.frame_us_max, s.migrations_in, s.migrations_out,
+                               measured.overruns, measured.skipped_ticks, s.removed_strays,
+                               static_cast<std::uint32_t>(s.unacknowledged), recovering()),
+      FrameType::region_status));
+}
+
+/// Null if none is due.
+SharedBytes RegionCore::acknowledgement(Peer& peer) {
+  if (!snapshots_ && !recovery_) peer.journal.note_durable(peer.journal.taken());
+  if (!peer.journal.take_acknowledgement_due()) return nullptr;
+  flatbuffers::FlatBufferBuilder builder(64);
+  return std::make_shared<const Bytes>(finish_frame(
+      builder, wire::CreateAcknowledge(builder, peer.journal.taken(), peer.journal.durable()),
+      FrameType::acknowledge));
+}
+
 void RegionCore::publish(Tick now, const SharedBytes& update, const ShellMeasurements& measured) {
   const auto avatars = players_.avatars();
   SharedBytes status;
-  if (now.value % status_interval_ticks == 0) {
-    const RegionStatistics s = statistics();
-    flatbuffers::FlatBufferBuilder builder(128);
-    status = std::make_shared<const Bytes>(finish_frame(
-        builder,
-        wire::CreateRegionStatus(builder, now.value, static_cast<std::uint32_t>(s.bodies),
-                                 static_cast<std::uint32_t>(s.awake), measured.frame_us_p50,
-                                 measured.frame_us_max, s.migrations_in, s.migrations_out,
-                                 measured.overruns, measured.skipped_ticks, s.removed_strays,
-                                 static_cast<std::uint32_t>(s.unacknowledged)),
-        FrameType::region_status));
-  }
+  if (now.value % status_interval_ticks == 0) status = status_frame(now, measured);
   for (auto& [id, peer] : peers_) {
     if (!peer.up) continue;
     if (id.is_region()) {
-      if (peer.journal.take_acknowledgement_due()) {
-        flatbuffers::FlatBufferBuilder builder(64);
-        const Bytes frame =
-            finish_frame(builder, wire::CreateAcknowledge(builder, peer.journal.taken()),
-                         FrameType::acknowledge);
-        outbox_.push_back({id, std::make_shared<const Bytes>(frame)});
-      }
+      if (SharedBytes frame = acknowledgement(peer)) outbox_.push_back({id, std::move(frame)});
       for (SharedBytes& frame : peer.journal.take_unsent())
         outbox_.push_back({id, std::move(frame)});
+      // Behind the groups: who recovers has them when it hears what we know.
+      if (peer.asked_round != 0)
+        for (SharedBytes& frame : encode_recovery_answer(answer_to(peer)))
+          outbox_.push_back({id, std::move(frame)});
+      peer.asked_round = 0;
       if (SharedBytes auras = aura_exchange_.take_frame(id.as_region()))
         outbox_.push_back({id, std::move(auras)});
     } else if (peer.wants_whole_state) {
