@@ -44,7 +44,7 @@ void AuraExchange::link_down(RegionId id) {
   changed_ = true;
 }
 
-Status AuraExchange::receive(RegionId from, std::span<const std::byte> payload) {
+Result<Tick> AuraExchange::receive(RegionId from, std::span<const std::byte> payload) {
   const auto* message = verified<wire::Auras>(payload);
   if (message == nullptr) return Error{"an auras message is not valid"};
   Told told;
@@ -63,6 +63,8 @@ Status AuraExchange::receive(RegionId from, std::span<const std::byte> payload) 
     for (std::uint64_t id : *message->removed()) told.removed.push_back(BodyId{id});
   if (message->pulls() != nullptr)
     for (std::uint64_t id : *message->pulls()) told.pulls.push_back(BodyId{id});
+  const Tick told_at{message->tick()};
+  if (told.auras.empty() && told.removed.empty() && told.pulls.empty()) return told_at;
   Peer& peer = peers_[from];
   if (peer.theirs.size() + told.auras.size() > 4 * max_auras)
     return Error{"a region projects more auras than a world can hold"};
@@ -71,7 +73,7 @@ Status AuraExchange::receive(RegionId from, std::span<const std::byte> payload) 
   // Only the newest message's requests are still meant: they are repeated until they are met.
   peer.pulls = std::move(told.pulls);
   changed_ = true;
-  return Ok{};
+  return told_at;
 }
 
 std::vector<HandoverRequest> AuraExchange::take_in() {
@@ -132,6 +134,12 @@ void AuraExchange::announce(Tick now, const MigrationDecision& decision) {
         finish_frame(builder, wire::CreateAuras(builder, now.value, auras_at, removed_at, pulls_at),
                      FrameType::auras));
   }
+}
+
+SharedBytes AuraExchange::sign_of_life(Tick now) {
+  flatbuffers::FlatBufferBuilder builder(64);
+  return std::make_shared<const Bytes>(
+      finish_frame(builder, wire::CreateAuras(builder, now.value), FrameType::auras));
 }
 
 SharedBytes AuraExchange::take_frame(RegionId id) {

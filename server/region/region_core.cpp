@@ -29,7 +29,8 @@ RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation 
       policy_(make_policy(world.mode, world.tolerances)),
       hosting_(world, self, incarnation),
       players_(world, map_, self, hosting_),
-      injected_(world.injectors.size(), 0) {
+      injected_(world.injectors.size(), 0),
+      tolerances_(world.tolerances, self, world.regions.size()) {
   AUREOLE_CHECK(self.value < world.regions.size(), "a core is one of its world's regions");
   for (std::size_t i = 0; i < world.regions.size(); ++i)
     if (i != self.value) peers_[PeerId::region(RegionId{static_cast<std::uint16_t>(i)})];
@@ -41,6 +42,7 @@ void RegionCore::peer_up(PeerId id, Incarnation incarnation) {
   if (id.is_region()) {
     peer.journal.link_up(incarnation);
     aura_exchange_.link_up(id.as_region());
+    tolerances_.link_up(id.as_region());
   } else {
     peer.wants_whole_state = true;
   }
@@ -52,6 +54,7 @@ void RegionCore::peer_down(PeerId id) {
   it->second.up = false;
   if (id.is_region()) {
     aura_exchange_.link_down(id.as_region());
+    tolerances_.link_down(id.as_region());
     return;
   }
   players_.gateway_down(static_cast<std::uint16_t>(id.value - PeerId::first_gateway), last_tick_);
@@ -111,8 +114,12 @@ Status RegionCore::receive(PeerId from, const Frame& frame) {
         arrived_effects_.emplace_back(from.as_region(), std::move(*effects));
       return Ok{};
     }
-    case FrameType::auras:
-      return aura_exchange_.receive(from.as_region(), frame.payload);
+    case FrameType::auras: {
+      auto told = aura_exchange_.receive(from.as_region(), frame.payload);
+      if (!told) return told.error();
+      tolerances_.heard(from.as_region(), *told);
+      return Ok{};
+    }
     case FrameType::region_status: {
       const auto* message = verified<wire::RegionStatus>(frame.payload);
       if (message == nullptr) return Error{"a region status is not a valid message"};
@@ -125,7 +132,9 @@ Status RegionCore::receive(PeerId from, const Frame& frame) {
   }
 }
 
-void RegionCore::link_measured(RegionId, double) {}
+void RegionCore::link_measured(RegionId peer, double latency_ms) {
+  tolerances_.link_measured(peer, latency_ms);
+}
 
 Status RegionCore::recover(std::span<const std::byte>) {
   return Ok{};
@@ -166,6 +175,7 @@ RegionStatistics RegionCore::statistics() const {
   all.migrations_in = counts.migrations_in;
   all.migrations_out = counts.migrations_out;
   all.version_conflicts = counts.version_conflicts;
+  all.tolerance_events = tolerances_.left_count();
   for (const auto& [id, peer] : peers_) all.unacknowledged += peer.journal.unacknowledged().size();
   return all;
 }

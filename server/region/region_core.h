@@ -23,6 +23,7 @@
 #include "server/region/hosting.h"
 #include "server/region/players/effects.h"
 #include "server/region/players/players.h"
+#include "server/region/tolerances.h"
 #include "server/worlds/world.h"
 
 namespace aureole {
@@ -38,19 +39,8 @@ struct ShellMeasurements {
   std::uint32_t frame_us_max = 0;
   std::uint64_t overruns = 0;
   std::uint64_t skipped_ticks = 0;
-  double last_frame_ms = 0;  ///< Of the step before this one.
-};
-
-/// Section 3.3: outside of a tolerance consistency is no longer promised, and the server says so.
-struct ToleranceEvent {
-  enum class Kind : std::uint8_t { speed, latency, frame_time, link };
-  Kind kind{};
-  bool outside = false;  ///< True when it is left, false when it holds again.
-  Tick tick;
-  RegionId peer;      ///< latency, link
-  BodyId body;        ///< speed: the fastest
-  double value = 0;   ///< m/s, ms; link: ticks without word
-  double limit = 0;   ///< The tolerance.
+  /// Of the step before this one: from the time of its tick until its messages were given away.
+  double last_frame_ms = 0;
 };
 
 struct RegionStatistics {
@@ -64,10 +54,10 @@ struct RegionStatistics {
   std::uint64_t refused_bodies = 0;  ///< Not made because the world is full.
   std::uint64_t unacknowledged = 0;  ///< Messages in the journals.
   std::uint64_t stand_ins = 0;       ///< Resting bodies of others that ours can lean on.
-  /// Stand-ins whose load rose above its value at the cut by more than mass × 0.05 m/s: interactions
-  /// that were missed.
+  /// Stand-ins whose load rose above its value at the cut by more than mass × 0.05 m/s:
+  /// interactions that were missed.
   std::uint64_t struck_stand_ins = 0;
-  std::uint64_t tolerance_events = 0;
+  std::uint64_t tolerance_events = 0;  ///< Times that a tolerance was left.
 };
 
 class RegionCore {
@@ -85,7 +75,9 @@ class RegionCore {
   /// One way, measured by the shell or modelled by the simulation; call whenever there is news.
   void link_measured(RegionId peer, double latency_ms);
   /// Tolerances left and entered in the last step. Valid until the next step.
-  std::span<const ToleranceEvent> tolerance_events() const { return tolerance_events_; }
+  std::span<const ToleranceEvent> tolerance_events() const { return tolerances_.events(); }
+  /// What is outside its tolerance now, the worst of each kind.
+  std::vector<ToleranceEvent> outside_tolerances() const { return tolerances_.outside(); }
 
   /// Makes this core the successor of an earlier start of the same region that died. `snapshot` is
   /// what the earlier one had written last; empty if it is gone. Call before the first step: the
@@ -172,7 +164,8 @@ class RegionCore {
   bool started_ = false;
   bool recovering_ = false;
   std::shared_ptr<const Bytes> snapshot_;
-  std::vector<ToleranceEvent> tolerance_events_;
+  Tolerances tolerances_;
+  FastestBody fastest_;     ///< Of the last step.
   RegionStatistics extra_;  ///< Only the counts that nobody else keeps.
 };
 

@@ -50,6 +50,7 @@ void RegionCore::step(Tick now, const ShellMeasurements& measured) {
       hosting_.publisher().update(now, hosting_.physics(), players_.avatars());
   migrate(now);
   send_player_output();
+  tolerances_.step(now, measured.last_frame_ms, fastest_);
   publish(now, update, measured);
   last_tick_ = now;
   started_ = true;
@@ -187,10 +188,13 @@ void RegionCore::spawn(Tick now) {
 void RegionCore::remove_strays(Tick) {
   std::vector<BodyId> strays;
   std::vector<PlayerId> fallen;
+  fastest_ = {};
   const Box3& bounds = world_.bounds;
   for (BodyId id : hosting_.physics().ids()) {
     if (hosting_.physics().is_asleep(id)) continue;
     const BodyState state = hosting_.physics().state(id);
+    if (const double speed = state.linear_velocity.norm(); speed > fastest_.speed_mps)
+      fastest_ = {id, speed};
     const Eigen::Vector3d p = state.position.vector();
     // Written so that a position that is not a number counts as outside. No other server would take
     // a state whose numbers have burst.
@@ -339,8 +343,8 @@ void RegionCore::publish(Tick now, const SharedBytes& update, const ShellMeasure
       }
       for (SharedBytes& frame : peer.journal.take_unsent())
         outbox_.push_back({id, std::move(frame)});
-      if (SharedBytes auras = aura_exchange_.take_frame(id.as_region()))
-        outbox_.push_back({id, std::move(auras)});
+      SharedBytes auras = aura_exchange_.take_frame(id.as_region());
+      outbox_.push_back({id, auras ? std::move(auras) : AuraExchange::sign_of_life(now)});
     } else if (peer.wants_whole_state) {
       peer.wants_whole_state = false;
       for (SharedBytes& frame :
