@@ -67,8 +67,8 @@ void AuraExchange::link_down(RegionId id) {
   changed_ = true;
 }
 
-Status AuraExchange::receive(RegionId from, std::span<const std::byte> payload,
-                             std::size_t prototypes) {
+Result<Tick> AuraExchange::receive(RegionId from, std::span<const std::byte> payload,
+                                   std::size_t prototypes) {
   const auto* message = verified<wire::Auras>(payload);
   if (message == nullptr) return Error{"an auras message is not valid"};
   const auto too_many = [](const auto* list) {
@@ -105,6 +105,8 @@ Status AuraExchange::receive(RegionId from, std::span<const std::byte> payload,
   }
   if (message->pulls() != nullptr)
     for (std::uint64_t id : *message->pulls()) pulls.push_back(BodyId{id});
+  const Tick told_at{message->tick()};
+  if (auras.empty() && news.empty() && pulls.empty()) return told_at;
   if (peer.theirs.size() + auras.size() > 4 * max_auras ||
       resting_news_.size() + news.size() > resting_news_max)
     return Error{"a region projects more auras than a world can hold"};
@@ -118,7 +120,7 @@ Status AuraExchange::receive(RegionId from, std::span<const std::byte> payload,
   // Only the newest message's requests are still meant: they are repeated until they are met.
   peer.pulls = std::move(pulls);
   changed_ = true;
-  return Ok{};
+  return told_at;
 }
 
 std::vector<HandoverRequest> AuraExchange::take_in() {
@@ -216,6 +218,12 @@ void AuraExchange::announce(Tick now, const MigrationDecision& decision, const A
     peer.frame.reset();
     if (peer.up) peer.frame = frame_for(peer, std::move(wanted[id]), pulls[id], now, bodies);
   }
+}
+
+SharedBytes AuraExchange::sign_of_life(Tick now) {
+  flatbuffers::FlatBufferBuilder builder(64);
+  return std::make_shared<const Bytes>(
+      finish_frame(builder, wire::CreateAuras(builder, now.value), FrameType::auras));
 }
 
 SharedBytes AuraExchange::take_frame(RegionId id) {

@@ -52,8 +52,8 @@ class AuraExchange {
 
   /// Checks a FrameType::auras payload and remembers what it says until take_in(), in room that
   /// does not grow with the number of messages; nothing of a bad one is taken. `prototypes`: how
-  /// many there are.
-  Status receive(RegionId from, std::span<const std::byte> payload, std::size_t prototypes);
+  /// many there are. Returns the sender's tick.
+  Result<Tick> receive(RegionId from, std::span<const std::byte> payload, std::size_t prototypes);
   /// From now on what has arrived counts. Returns what others asked us to hand over, ascending by
   /// body.
   std::vector<HandoverRequest> take_in();
@@ -67,8 +67,11 @@ class AuraExchange {
 
   /// Prepares this tick's frames from what the policy decided.
   void announce(Tick now, const MigrationDecision& decision, const AuraBodies& bodies);
-  /// The frame for one linked peer, or nothing if there is nothing to say.
+  /// The frame for one linked peer, or nothing if there is nothing to say of auras.
   SharedBytes take_frame(RegionId peer);
+  /// A message without auras: that we have stepped. In each step every peer hears one or the other,
+  /// so that silence means something.
+  static SharedBytes sign_of_life(Tick now);
 
   /// Auras in one message at most; far more than a boundary can hold.
   static constexpr std::size_t max_auras = 65'536;

@@ -33,7 +33,8 @@ RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation 
       players_(world, map_, self, hosting_),
       stand_ins_(hosting_.physics()),
       nearby_geometry_(hosting_.statics()),
-      injected_(world.injectors.size(), 0) {
+      injected_(world.injectors.size(), 0),
+      tolerances_(world.tolerances, self, world.regions.size()) {
   AUREOLE_CHECK(self.value < world.regions.size(), "a core is one of its world's regions");
   for (std::size_t i = 0; i < world.regions.size(); ++i)
     if (i != self.value) peers_[PeerId::region(RegionId{static_cast<std::uint16_t>(i)})];
@@ -50,6 +51,7 @@ void RegionCore::peer_up(PeerId id, Incarnation incarnation) {
   if (id.is_region()) {
     peer.journal.link_up(incarnation);
     aura_exchange_.link_up(id.as_region());
+    tolerances_.link_up(id.as_region());
   } else {
     peer.wants_whole_state = true;
   }
@@ -62,6 +64,7 @@ void RegionCore::peer_down(PeerId id) {
   if (recovery_) recovery_->peer_down(id);
   if (id.is_region()) {
     aura_exchange_.link_down(id.as_region());
+    tolerances_.link_down(id.as_region());
     return;
   }
   players_.gateway_down(static_cast<std::uint16_t>(id.value - PeerId::first_gateway), last_tick_);
@@ -130,9 +133,13 @@ Status RegionCore::receive(PeerId from, const Frame& frame) {
         arrived_effects_.emplace_back(from.as_region(), std::move(*effects));
       return Ok{};
     }
-    case FrameType::auras:
-      return aura_exchange_.receive(from.as_region(), frame.payload,
-                                    hosting_.definitions().size());
+    case FrameType::auras: {
+      auto told = aura_exchange_.receive(from.as_region(), frame.payload,
+                                         hosting_.definitions().size());
+      if (!told) return told.error();
+      tolerances_.heard(from.as_region(), *told);
+      return Ok{};
+    }
     case FrameType::region_status: {
       const auto* message = verified<wire::RegionStatus>(frame.payload);
       if (message == nullptr) return Error{"a region status is not a valid message"};
@@ -145,7 +152,9 @@ Status RegionCore::receive(PeerId from, const Frame& frame) {
   }
 }
 
-void RegionCore::link_measured(RegionId, double) {}
+void RegionCore::link_measured(RegionId peer, double latency_ms) {
+  tolerances_.link_measured(peer, latency_ms);
+}
 
 bool RegionCore::has_room(std::size_t more) const {
   std::size_t known = hosting_.physics().size() + more;
@@ -191,6 +200,7 @@ RegionStatistics RegionCore::statistics() const {
   all.stand_ins = stand_ins_.size();
   all.struck_stand_ins = stand_in_watch_.struck();
   all.recovered = counts.recovered;
+  all.tolerance_events = tolerances_.left_count();
   for (const auto& [id, peer] : peers_) all.unacknowledged += peer.journal.unacknowledged().size();
   return all;
 }

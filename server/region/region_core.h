@@ -30,6 +30,7 @@
 #include "server/region/stand_ins/stand_ins.h"
 #include "server/region/recovery/recovery.h"
 #include "server/region/recovery/traces.h"
+#include "server/region/tolerances.h"
 #include "server/worlds/world.h"
 
 namespace aureole {
@@ -45,19 +46,8 @@ struct ShellMeasurements {
   std::uint32_t frame_us_max = 0;
   std::uint64_t overruns = 0;
   std::uint64_t skipped_ticks = 0;
-  double last_frame_ms = 0;  ///< Of the step before this one.
-};
-
-/// Section 3.3: outside of a tolerance consistency is no longer promised, and the server says so.
-struct ToleranceEvent {
-  enum class Kind : std::uint8_t { speed, latency, frame_time, link };
-  Kind kind{};
-  bool outside = false;  ///< True when it is left, false when it holds again.
-  Tick tick;
-  RegionId peer;      ///< latency, link
-  BodyId body;        ///< speed: the fastest
-  double value = 0;   ///< m/s, ms; link: ticks without word
-  double limit = 0;   ///< The tolerance.
+  /// Of the step before this one: from the time of its tick until its messages were given away.
+  double last_frame_ms = 0;
 };
 
 struct RegionStatistics {
@@ -71,11 +61,11 @@ struct RegionStatistics {
   std::uint64_t refused_bodies = 0;  ///< Not made because the world is full.
   std::uint64_t unacknowledged = 0;  ///< Messages in the journals.
   std::uint64_t stand_ins = 0;       ///< Resting bodies of others that ours can lean on.
-  /// Stand-ins whose load rose above its value at the cut by more than mass × 0.05 m/s: interactions
-  /// that were missed.
+  /// Stand-ins whose load rose above its value at the cut by more than mass × 0.05 m/s:
+  /// interactions that were missed.
   std::uint64_t struck_stand_ins = 0;
-  std::uint64_t tolerance_events = 0;
-  std::uint64_t recovered = 0;  ///< Bodies claimed after the death of an earlier start.
+  std::uint64_t tolerance_events = 0;  ///< Times that a tolerance was left.
+  std::uint64_t recovered = 0;         ///< Bodies claimed after the death of an earlier start.
   /// Bodies that should have been claimed, but of which nobody knew a state; 0 unless disks and
   /// gateways were lost together.
   std::uint64_t unrecoverable = 0;
@@ -96,7 +86,9 @@ class RegionCore {
   /// One way, measured by the shell or modelled by the simulation; call whenever there is news.
   void link_measured(RegionId peer, double latency_ms);
   /// Tolerances left and entered in the last step. Valid until the next step.
-  std::span<const ToleranceEvent> tolerance_events() const { return tolerance_events_; }
+  std::span<const ToleranceEvent> tolerance_events() const { return tolerances_.events(); }
+  /// What is outside its tolerance now, the worst of each kind.
+  std::vector<ToleranceEvent> outside_tolerances() const { return tolerances_.outside(); }
 
   /// From now on what has been taken counts as durable only once it is in a snapshot that has been
   /// written. Without snapshots it counts as durable at once, and is lost if this process dies.
@@ -227,7 +219,8 @@ class RegionCore {
   Traces traces_;
   std::unique_ptr<Recovery> recovery_;
   std::set<BodyId> made_before_;  ///< Injected by an earlier start after its last snapshot.
-  std::vector<ToleranceEvent> tolerance_events_;
+  Tolerances tolerances_;
+  FastestBody fastest_;  ///< Of the last step.
   RegionStatistics extra_;  ///< Only the counts that nobody else keeps.
 };
 

@@ -87,6 +87,7 @@ void RegionCore::step(Tick now, const ShellMeasurements& measured) {
   migrate(now);
   send_player_output();
   note_traces(now);
+  tolerances_.step(now, measured.last_frame_ms, fastest_);
   publish(now, update, measured);
   last_tick_ = now;
   started_ = true;
@@ -235,10 +236,13 @@ void RegionCore::spawn(Tick now) {
 void RegionCore::remove_strays(Tick) {
   std::vector<BodyId> strays;
   std::vector<PlayerId> fallen;
+  fastest_ = {};
   const Box3& bounds = world_.bounds;
   for (BodyId id : hosting_.physics().ids()) {
     if (hosting_.physics().is_asleep(id)) continue;
     const BodyState state = hosting_.physics().state(id);
+    if (const double speed = state.linear_velocity.norm(); speed > fastest_.speed_mps)
+      fastest_ = {id, speed};
     const Eigen::Vector3d p = state.position.vector();
     // Written so that a position that is not a number counts as outside. No other server would take
     // a state whose numbers have burst.
@@ -436,8 +440,8 @@ void RegionCore::publish(Tick now, const SharedBytes& update, const ShellMeasure
         for (SharedBytes& frame : encode_recovery_answer(answer_to(peer)))
           outbox_.push_back({id, std::move(frame)});
       peer.asked_round = 0;
-      if (SharedBytes auras = aura_exchange_.take_frame(id.as_region()))
-        outbox_.push_back({id, std::move(auras)});
+      SharedBytes auras = aura_exchange_.take_frame(id.as_region());
+      outbox_.push_back({id, auras ? std::move(auras) : AuraExchange::sign_of_life(now)});
     } else if (peer.wants_whole_state) {
       peer.wants_whole_state = false;
       for (SharedBytes& frame :

@@ -1,0 +1,166 @@
+// One judgement for every tolerance: left at once, held again after a while.
+#include "server/region/tolerances.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/base/check.h"
+
+namespace aureole {
+namespace {
+
+/// A quarter of a second: as long as a status is apart from the next.
+constexpr std::int64_t settle_ticks_min = 16;
+
+/// By how much a tolerance is exceeded.
+double excess(const ToleranceEvent& event) {
+  return event.limit > 0 ? event.value / event.limit : event.value;
+}
+
+}  // namespace
+
+std::string_view name_of(ToleranceEvent::Kind kind) {
+  switch (kind) {
+    case ToleranceEvent::Kind::speed:
+      return "speed";
+    case ToleranceEvent::Kind::latency:
+      return "latency";
+    case ToleranceEvent::Kind::frame_time:
+      return "frame_time";
+    case ToleranceEvent::Kind::link:
+      return "link";
+  }
+  return "link";
+}
+
+Tolerances::Tolerances(const AuraTolerances& limits, RegionId self, std::size_t region_count)
+    : limits_(limits),
+      flight_ticks_(static_cast<std::int64_t>(steps_in_flight(limits))),
+      settle_ticks_(std::max(3 * flight_ticks_ - 1, settle_ticks_min)) {
+  for (std::size_t i = 0; i < region_count; ++i)
+    if (i != self.value) links_[RegionId{static_cast<std::uint16_t>(i)}];
+}
+
+void Tolerances::link_up(RegionId peer) {
+  Link& link = links_.at(peer);
+  link.up = true;
+  link.counts = false;
+}
+
+void Tolerances::link_down(RegionId peer) {
+  Link& link = links_.at(peer);
+  link.up = false;
+  link.broke = true;
+  // What the next link measures has nothing to do with this one.
+  link.latency_ms.clear();
+  link.measured_ms = -1;
+}
+
+void Tolerances::link_measured(RegionId peer, double latency_ms) {
+  AUREOLE_CHECK(std::isfinite(latency_ms) && latency_ms >= 0, "a latency is a time");
+  Link& link = links_.at(peer);
+  link.measured_ms = std::max(link.measured_ms, latency_ms);
+}
+
+void Tolerances::heard(RegionId peer, Tick tick) {
+  Link& link = links_.at(peer);
+  link.newest = link.counts ? std::max(link.newest, tick) : tick;
+  link.counts = true;
+}
+
+void Tolerances::judge(Kept& kept, const ToleranceEvent& seen, bool exceeds) {
+  if (exceeds) {
+    kept.exceeded = seen.tick;
+    if (!kept.outside) {
+      kept.outside = true;
+      kept.event = seen;
+      kept.event.outside = true;
+      events_.push_back(kept.event);
+      ++left_count_;
+    } else if (seen.value > kept.event.value) {
+      kept.event.value = seen.value;
+      kept.event.body = seen.body;
+    }
+    return;
+  }
+  if (!kept.outside || seen.tick - kept.exceeded < settle_ticks_) return;
+  kept.outside = false;
+  events_.push_back(seen);
+}
+
+void Tolerances::judge_latency(RegionId peer, Link& link, Tick now) {
+  auto& history = link.latency_ms;
+  if (link.measured_ms >= 0) {
+    while (!history.empty() && history.back().second <= link.measured_ms) history.pop_back();
+    history.emplace_back(now, link.measured_ms);
+    link.measured_ms = -1;
+  }
+  // The newest stays, however old it is: there is no better estimate.
+  while (history.size() > 1 && now - history.front().first >= latency_window_ticks)
+    history.pop_front();
+  const double estimate_ms = history.empty() ? 0 : history.front().second;
+  judge(link.latency,
+        {ToleranceEvent::Kind::latency, false, now, peer, {}, estimate_ms, limits_.latency_ms},
+        estimate_ms > limits_.latency_ms);
+}
+
+void Tolerances::judge_word(RegionId peer, Link& link, Tick now) {
+  // A new link is given the time that a first word needs. While there is none, the age goes on.
+  if (!link.counts && (link.up || !started_)) {
+    link.newest = now - 1;
+    link.counts = true;
+  }
+  // A clock that is ahead of ours, or a peer that claims to be, is no word from the future.
+  link.newest = std::min(link.newest, now);
+  const auto age = static_cast<double>(now - link.newest);
+  const auto limit = static_cast<double>(flight_ticks_);
+  judge(link.word, {ToleranceEvent::Kind::link, false, now, peer, {}, age, limit},
+        age > limit || !link.up || link.broke);
+  link.broke = false;
+}
+
+void Tolerances::step(Tick now, double frame_ms, const FastestBody& fastest) {
+  AUREOLE_CHECK(!started_ || now > last_, "time goes forwards");
+  events_.clear();
+  judge(speed_,
+        {ToleranceEvent::Kind::speed,
+         false,
+         now,
+         {},
+         fastest.body,
+         fastest.speed_mps,
+         limits_.speed_mps},
+        fastest.speed_mps > limits_.speed_mps);
+  const std::int64_t ticks = started_ ? now - last_ : 1;
+  if (ticks > 1) frame_ms = std::max(frame_ms, static_cast<double>(ticks * tick_us) / 1e3);
+  judge(frame_time_,
+        {ToleranceEvent::Kind::frame_time, false, now, {}, {}, frame_ms, limits_.frame_time_ms},
+        frame_ms > limits_.frame_time_ms);
+  for (auto& [peer, link] : links_) {
+    judge_latency(peer, link, now);
+    judge_word(peer, link, now);
+  }
+  last_ = now;
+  started_ = true;
+}
+
+std::vector<ToleranceEvent> Tolerances::outside() const {
+  std::vector<ToleranceEvent> all;
+  const auto add = [&](const Kept& kept) {
+    if (!kept.outside) return;
+    const auto same = std::find_if(
+        all.begin(), all.end(), [&](const ToleranceEvent& e) { return e.kind == kept.event.kind; });
+    if (same == all.end())
+      all.push_back(kept.event);
+    else if (excess(kept.event) > excess(*same))
+      *same = kept.event;
+  };
+  add(speed_);
+  add(frame_time_);
+  for (const auto& [peer, link] : links_) add(link.latency), add(link.word);
+  std::sort(all.begin(), all.end(),
+            [](const ToleranceEvent& a, const ToleranceEvent& b) { return a.kind < b.kind; });
+  return all;
+}
+
+}  // namespace aureole
