@@ -64,9 +64,15 @@ class AdaptivePolicy final : public MigrationPolicy {
   };
 
   static bool lies_still(const HostedBody& body) {
-    return !body.pressed && (body.asleep || body.still_ticks >= resting_ticks);
+    return !body.pressed && body.deed_speed_mps <= 0 && (body.asleep || body.still_ticks >= resting_ticks);
   }
   bool rests(std::uint32_t body) const { return expected_mps_[body] <= 0; }
+
+  AuraBox own_aura(const HostedBody& body) const {
+    if (lies_still(body)) return resting_aura(body);
+    if (body.deed_speed_mps <= 0) return flight_aura(body, reach_s_);
+    return struck_aura(body, std::max(body.surface_speed_mps, body.deed_speed_mps), reach_s_);
+  }
 
   void prepare(const MigrationSituation& s) {
     boxes_.clear();
@@ -75,16 +81,18 @@ class AdaptivePolicy final : public MigrationPolicy {
       // What has just stopped may start again: it counts as moving, if only a little.
       moving_mps_.push_back(
           lies_still(body) ? -1.0 : std::max(body.surface_speed_mps, still_speed_mps));
-      boxes_.push_back(moving_mps_.back() < 0 ? resting_aura(body) : flight_aura(body, reach_s_));
+      boxes_.push_back(own_aura(body));
     }
     grid_.build(boxes_);
     forecast_.compute(s, moving_mps_, boxes_, grid_, expected_mps_, disturbed_);
     bool grown = false;
     for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
+      if (s.hosted[i].deed_speed_mps > 0) disturbed_[i] = true;
       if (rests(i) || (!disturbed_[i] && !s.hosted[i].near_geometry &&
                        expected_mps_[i] <= moving_mps_[i]))
         continue;
-      boxes_[i] = struck_aura(s.hosted[i], expected_mps_[i], reach_s_);
+      const double speed = std::max(expected_mps_[i], s.hosted[i].deed_speed_mps);
+      boxes_[i] = struck_aura(s.hosted[i], speed, reach_s_);
       grown = true;
     }
     if (grown) grid_.build(boxes_);

@@ -38,6 +38,10 @@ void BlowForecast::compute(const MigrationSituation& s, std::span<const double> 
       disturbed[i] = disturbed[other] = true;
       const double closing = moving_mps[i] + std::max(moving_mps[other], 0.0);
       const HostedBody &striking = s.hosted[i], &struck = s.hosted[other];
+      if (striking.deed_speed_mps > 0)
+        strike(struck, other,
+               {striking.deed_mass_kg * striking.deed_speed_mps, striking.deed_mass_kg},
+               striking.restitution * struck.restitution, expected_mps);
       strike(struck, other, {striking.mass_kg * closing, striking.mass_kg},
              striking.restitution * struck.restitution, expected_mps);
     }

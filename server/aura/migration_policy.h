@@ -43,6 +43,10 @@ struct HostedBody {
   std::uint8_t still_ticks = 0;
   /// A load of its contacts with stand-ins has risen: it counts as moving whatever its speed.
   bool pressed = false;
+  /// What a player may do next with it or from it, which no motion foretells: something of
+  /// `deed_mass_kg` may start here at `deed_speed_mps`. 0: nothing.
+  double deed_speed_mps = 0;
+  double deed_mass_kg = 0;
   /// The body that this one must be hosted with (a carried thing with the avatar); none: decides
   /// itself.
   BodyId leader;

@@ -267,6 +267,29 @@ bool RegionCore::nothing_stirs(Tick now) const {
          c.spawned + c.removed + c.migrations_in + c.migrations_out == changes_at_decision_;
 }
 
+/// What players may do in the next moment with what they carry or throw, so that whoever may be hit
+/// is here before.
+void RegionCore::foresee_deeds(std::vector<HostedBody>& hosted) const {
+  double speed = 0, mass = 0;
+  for (const Throwable& item : world_.throwables) {
+    const double item_kg = double{hosting_.definitions()[item.prototype.value].mass_kg};
+    if (double{item.speed_mps} * item_kg > speed * mass) mass = item_kg;
+    speed = std::max(speed, double{item.speed_mps});
+  }
+  for (const Avatar* avatar : players_.avatars()) {
+    if (!avatar->connected) continue;
+    const auto body = index_of(hosted, avatar->body());
+    if (!body) continue;
+    hosted[*body].deed_speed_mps = speed;
+    hosted[*body].deed_mass_kg = mass;
+    if (avatar->carried == BodyId{}) continue;
+    if (const auto carried = index_of(hosted, avatar->carried)) {
+      hosted[*carried].deed_speed_mps = double{AvatarTuning{}.carry_speed_max_mps};
+      hosted[*carried].deed_mass_kg = hosted[*carried].mass_kg;
+    }
+  }
+}
+
 std::vector<HostedBody> RegionCore::hosted_bodies(Tick now) {
   std::map<BodyId, BodyId> leaders;
   for (const Avatar* avatar : players_.avatars())
@@ -298,6 +321,7 @@ std::vector<HostedBody> RegionCore::hosted_bodies(Tick now) {
     if (leader != leaders.end()) body.leader = leader->second;
     body.changed_owner = hosting_.changed_owner(id);
   }
+  foresee_deeds(hosted);
   return hosted;
 }
 
