@@ -14,6 +14,7 @@
 #include "server/commands/commands.h"
 #include "server/experiment/seed_processes.h"
 #include "server/experiment/simulation.h"
+#include "server/experiment/single_server_oracle.h"
 
 namespace aureole {
 namespace {
@@ -25,6 +26,7 @@ struct SimulateOptions {
   double seconds = 20, latency_ms = 2, jitter_ms = 1;
   int bodies = 300;
   bool check_repeatable = false;
+  bool compare_single = true;
   int jobs = 0;
   double limit_s = 600;
 };
@@ -126,8 +128,46 @@ struct Report {
            fmt::format("the second run's hash is {:016x}, not the first one's", hash)}});
   }
 
-  bool all_held() const { return totals.failed_seeds == 0 && totals.hash_mismatches == 0; }
+  bool all_held() const {
+    return totals.failed_seeds == 0 && totals.hash_mismatches == 0 && totals.compared_failed == 0;
+  }
 };
+
+nlohmann::json compare(const SimulateOptions& o) {
+  const SimulationOptions of_any = of_seed(o, o.first_seed);
+  nlohmann::json list = nlohmann::json::array();
+  for (const Comparison& c : compare_with_single_server(of_any.scenario.mode, of_any.network))
+    list.push_back({{"scene", c.scene},
+                    {"measure", c.measure},
+                    {"worst", c.worst},
+                    {"limit", c.limit},
+                    {"held", c.held()}});
+  return list;
+}
+
+/// The scenes that are also run on one server: in a process of their own, like a seed.
+nlohmann::json compare_in_process(const SimulateOptions& o, RunTotals& totals) {
+  nlohmann::json list;
+  run_in_processes(
+      {1, 1, o.limit_s}, [&](int) { return compare(o).dump(); },
+      [&](int, const ChildOutcome& outcome) {
+        list = nlohmann::json::parse(outcome.output, nullptr, false);
+        if (outcome.ended_well && list.is_array()) return;
+        ++totals.compared;
+        ++totals.compared_failed;
+        fmt::print("the comparison with one server {}\n", outcome.how);
+        list = nlohmann::json::array();
+      });
+  for (const auto& c : list) {
+    ++totals.compared;
+    if (c["held"].get<bool>()) continue;
+    ++totals.compared_failed;
+    fmt::print("compared with one server, {}: {:.3f} {}; allowed {}\n",
+               c["scene"].get<std::string>(), c["worst"].get<double>(),
+               c["measure"].get<std::string>(), c["limit"].dump());
+  }
+  return list;
+}
 
 void print_totals(const nlohmann::json& totals) {
   for (const auto& [name, value] : totals.items())
@@ -163,6 +203,8 @@ int simulate_all(SimulateOptions o) {
       },
       [&] { progress.show(report.totals); });
   progress.end();
+  const nlohmann::json comparisons =
+      o.compare_single ? compare_in_process(o, report.totals) : nlohmann::json::array();
 
   const nlohmann::json totals = report.totals.to_json();
   fmt::print("{} {}, {} seeds from {}, {} s, {} ms, faults {}:\n", o.layout, o.mode, o.seeds,
@@ -173,6 +215,7 @@ int simulate_all(SimulateOptions o) {
     all["layout"] = o.layout;
     all["mode"] = o.mode;
     all["faults"] = o.faults;
+    all["comparisons"] = comparisons;
     all["per_seed"] = report.seeds;
     all["failures"] = report.failures;
     std::ofstream file(o.json);
@@ -219,6 +262,8 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->add_option("--json", o->json, "Write totals and failures to this file");
   command->add_flag("--check-repeatable", o->check_repeatable,
                     "Run each seed twice and compare their hashes");
+  command->add_flag("--compare-single,!--no-compare-single", o->compare_single,
+                    "Also run scenes on one server and on four, and compare (on by default)");
   command->add_option("--jobs", o->jobs, "Processes at a time (0: as many as cores)")
       ->capture_default_str()
       ->check(CLI::Range(0, 1024));

@@ -69,42 +69,33 @@ void InteractionOracle::follow(Tick tick, const std::vector<SeenBody>& bodies) {
   }
 }
 
-bool InteractionOracle::was_apart(Tick tick, const SeenBody& a, const SeenBody& b) const {
-  const Track &ta = tracks_.at(a.id), &tb = tracks_.at(b.id);
-  return ta.seen == tick - 1 && tb.seen == tick - 1 && ta.last.owner != tb.last.owner;
-}
-
 void InteractionOracle::look_at_pair(Tick tick, const SeenBody& a, const SeenBody& b) {
   const double bound = shapes_.bounding_radius(a.prototype) + shapes_.bounding_radius(b.prototype);
-  const double away = distance(a.state.position, b.state.position);
-  double depth = away < bound ? -shapes_.separation(a, b) : -1;
-  depth -= a.uncertainty_m + b.uncertainty_m;
-  const Pair pair(a.id, b.id);
-  if (depth <= slop_m) {
-    if (depth > 0 || !moves(a) || !moves(b)) {
-      // Still touching: a pair that counted does not count again until there is air between them.
-      if (const auto it = overlaps_.find(pair); it != overlaps_.end() && depth > 0)
-        it->second.seen = tick;
-    }
-    if (depth <= 0 && passed_through(tick, a, b)) {
-      Overlap& overlap = overlaps_[pair];
-      overlap.seen = tick;
-      count(tick, a, b, overlap, 0, "went through");
-    }
-    return;
+  const bool near = distance(a.state.position, b.state.position) < bound;
+  const double depth =
+      near ? -shapes_.separation(a, b) - a.uncertainty_m - b.uncertainty_m : -bound;
+  const auto known = overlaps_.find({a.id, b.id});
+  // A pair that counted does not count again until there is air between the two.
+  if (known != overlaps_.end() && depth > 0) known->second.seen = tick;
+  if (depth > slop_m) {
+    Overlap& overlap = known != overlaps_.end() ? known->second : begin_overlap(tick, a, b, depth);
+    if (depth > overlap.brought_m + slop_m) count(tick, a, b, overlap, depth, "overlaps");
+  } else if (depth <= 0 && known == overlaps_.end() && passed_through(tick, a, b)) {
+    count(tick, a, b, begin_overlap(tick, a, b, depth), 0, "went through");
   }
-  const auto [it, fresh] = overlaps_.try_emplace(pair);
-  Overlap& overlap = it->second;
+}
+
+InteractionOracle::Overlap& InteractionOracle::begin_overlap(Tick tick, const SeenBody& a,
+                                                             const SeenBody& b, double depth_m) {
+  Overlap& overlap = overlaps_[{a.id, b.id}];
   overlap.seen = tick;
-  if (fresh) {
-    const Track &ta = tracks_.at(a.id), &tb = tracks_.at(b.id);
-    const bool were_together = ta.last.id == a.id && tb.last.id == b.id &&
-                               ta.last.owner == tb.last.owner && tick - ta.seen <= 2 &&
-                               tick - tb.seen <= 2;
-    if (were_together) overlap.brought_m = depth;
-    overlap.at_birth = is_newborn(a.id, tick) || is_newborn(b.id, tick);
-  }
-  if (depth > overlap.brought_m + slop_m) count(tick, a, b, overlap, depth, "overlaps");
+  const Track &ta = tracks_.at(a.id), &tb = tracks_.at(b.id);
+  const bool were_together = ta.last.id == a.id && tb.last.id == b.id &&
+                             ta.last.owner == tb.last.owner && tick - ta.seen <= 2 &&
+                             tick - tb.seen <= 2;
+  if (were_together) overlap.brought_m = depth_m;
+  overlap.at_birth = is_newborn(a.id, tick) || is_newborn(b.id, tick);
+  return overlap;
 }
 
 void InteractionOracle::count(Tick tick, const SeenBody& a, const SeenBody& b, Overlap& overlap,
@@ -131,29 +122,23 @@ void InteractionOracle::count(Tick tick, const SeenBody& a, const SeenBody& b, O
                    moves(b) ? "" : ", the second asleep")});
 }
 
+bool InteractionOracle::was_apart(Tick tick, const SeenBody& a, const SeenBody& b) const {
+  const Track &ta = tracks_.at(a.id), &tb = tracks_.at(b.id);
+  return ta.seen == tick - 1 && tb.seen == tick - 1 && ta.last.owner != tb.last.owner;
+}
+
 bool InteractionOracle::passed_through(Tick tick, const SeenBody& a, const SeenBody& b) const {
   if (!was_apart(tick, a, b)) return false;
-  const Track &ta = tracks_.at(a.id), &tb = tracks_.at(b.id);
-  const Eigen::Vector3d before = ta.last.state.position.vector() - tb.last.state.position.vector();
+  const SeenBody &a_before = tracks_.at(a.id).last, &b_before = tracks_.at(b.id).last;
+  const Eigen::Vector3d before =
+      a_before.state.position.vector() - b_before.state.position.vector();
   const Eigen::Vector3d after = a.state.position.vector() - b.state.position.vector();
-  // Only what came from one side and is on the other now.
-  if (before.dot(after) >= 0) return false;
-  constexpr int pieces = 8;
-  for (int k = 1; k < pieces; ++k) {
-    const double share = static_cast<double>(k) / pieces;
-    const auto between = [&](const SeenBody& from, const SeenBody& to) {
-      SeenBody body = to;
-      const Eigen::Vector3d p = from.state.position.vector();
-      body.state.position =
-          WorldPosition::from(Eigen::Vector3d(p + (to.state.position.vector() - p) * share));
-      body.state.orientation =
-          from.state.orientation.slerp(static_cast<float>(share), to.state.orientation);
-      return body;
-    };
-    if (shapes_.separation(between(ta.last, a), between(tb.last, b)) < -slop_m)
-      return shapes_.collide_in_one_step(ta.last, tb.last);
-  }
-  return false;
+  // Only what moved relative to each other by more than the smaller one is thick can have passed.
+  const double way = (after - before).norm();
+  constexpr double thinnest_m = 0.1;
+  if (way < thinnest_m) return false;
+  return shapes_.meet_between(a_before, a, b_before, b, slop_m) &&
+         shapes_.collide_in_one_step(a_before, b_before);
 }
 
 bool InteractionOracle::is_excused(Tick tick, const SeenBody& a, const SeenBody& b) const {

@@ -57,6 +57,7 @@ class InteractionOracle {
   };
   void follow(Tick tick, const std::vector<SeenBody>& bodies);
   void look_at_pair(Tick tick, const SeenBody& a, const SeenBody& b);
+  Overlap& begin_overlap(Tick tick, const SeenBody& a, const SeenBody& b, double depth_m);
   void count(Tick tick, const SeenBody& a, const SeenBody& b, Overlap& overlap, double depth_m,
              const char* how);
   bool passed_through(Tick tick, const SeenBody& a, const SeenBody& b) const;

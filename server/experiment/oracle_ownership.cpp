@@ -12,7 +12,6 @@ namespace {
 
 /// Of each rule so many are told in words; the rest are counted.
 constexpr int told_max = 3;
-constexpr std::int64_t second_ticks = 62;
 
 /// Handoffs in the journals of `core` that hold any of `ids` and were sealed in this step.
 std::vector<Departure> departures_of(const RegionCore& core, RegionId self,
@@ -131,25 +130,16 @@ void OwnershipOracle::gained(BodyId id, const SimulatedServer& server, Tick tick
     const bool recovery =
         owner_died || server.is_recovering() ||
         (server.incarnation().value > 1 && tick - servers_[self.value].started < recovery_ticks);
-    if (!recovery) change_owner(id, record, tick);
+    const std::uint64_t changes = recovery ? 0 : changes_.add(id, tick);
+    if (changes > changes_per_s_max)
+      violate("thrash", tick,
+              fmt::format("{} changed its owner {} times within a second, now from r{} to r{}",
+                          describe(id), changes, record.last_owner.value, self.value));
   }
   record.removed = record.lost = false;
   record.owner = record.last_owner = self;
   record.last_incarnation = server.incarnation();
   missing_.erase(id);
-}
-
-void OwnershipOracle::change_owner(BodyId id, Record& record, Tick tick) {
-  recent_changes_.push_back(tick);
-  while (tick - recent_changes_.front() > 4 * second_ticks) recent_changes_.pop_front();
-  std::erase_if(record.changes, [&](Tick t) { return tick - t >= second_ticks; });
-  record.changes.push_back(tick);
-  changes_max_ = std::max<std::uint64_t>(changes_max_, record.changes.size());
-  if (record.changes.size() > changes_per_s_max)
-    violate("thrash", tick,
-            fmt::format("{} changed its owner {} times within a second, now to "
-                        "another than r{}",
-                        describe(id), record.changes.size(), record.last_owner.value));
 }
 
 void OwnershipOracle::crashed(RegionId region, Tick tick) {
@@ -232,11 +222,6 @@ std::optional<Tick> OwnershipOracle::born(BodyId id) const {
   return it == bodies_.end() ? std::nullopt : std::optional(it->second.born);
 }
 
-std::uint64_t OwnershipOracle::changes_since(Tick tick) const {
-  return static_cast<std::uint64_t>(std::count_if(recent_changes_.begin(), recent_changes_.end(),
-                                                  [&](Tick t) { return t >= tick; }));
-}
-
 void OwnershipOracle::violate(const std::string& rule, Tick tick, std::string what) {
   if (told_[rule]++ < told_max) violations_.push_back({rule, tick.value, std::move(what)});
 }
@@ -247,7 +232,7 @@ void OwnershipOracle::report(SeedResult& result) const {
   result.bodies_duplicated = duplicated_;
   result.bodies_rolled_back = rolled_back_;
   result.migrations = migrations_;
-  result.migrations_per_body_max_per_s = changes_max_;
+  result.migrations_per_body_max_per_s = changes_.max();
   result.version_conflicts = conflicts_;
   result.largest_cluster = largest_;
   result.violations.insert(result.violations.end(), violations_.begin(), violations_.end());

@@ -2,12 +2,12 @@
 // time.
 #pragma once
 
-#include <deque>
 #include <map>
 #include <optional>
 #include <set>
 #include <vector>
 
+#include "server/experiment/owner_changes.h"
 #include "server/experiment/seed_result.h"
 #include "server/experiment/simulated_server.h"
 #include "server/experiment/world_view.h"
@@ -40,7 +40,7 @@ class OwnershipOracle {
   /// When it first came into the world.
   std::optional<Tick> born(BodyId id) const;
   /// Changes of owner at or after this tick.
-  std::uint64_t changes_since(Tick tick) const;
+  std::uint64_t changes_since(Tick tick) const { return changes_.since(tick); }
 
   static constexpr std::int64_t changes_per_s_max = 2;
   static constexpr std::int64_t missing_ticks_max = ticks_from_ms(5000);
@@ -55,7 +55,6 @@ class OwnershipOracle {
     Incarnation last_incarnation;
     Tick born;
     Tick missing_since;
-    std::vector<Tick> changes;
     bool removed = false, may_return = false, may_vanish = false, lost = false;
     RegionId removed_by;
     Tick removed_at;
@@ -68,7 +67,6 @@ class OwnershipOracle {
     std::uint64_t conflicts = 0;
   };
   void gained(BodyId id, const SimulatedServer& server, Tick tick);
-  void change_owner(BodyId id, Record& record, Tick tick);
   bool in_a_journal(BodyId id, std::span<const SimulatedServer> servers) const;
   void lose(BodyId id, Record& record, Tick tick, const std::string& how);
   void violate(const std::string& rule, Tick tick, std::string what);
@@ -79,9 +77,9 @@ class OwnershipOracle {
   std::set<BodyId> missing_;
   std::vector<Violation> violations_;
   std::map<std::string, int> told_;
-  std::deque<Tick> recent_changes_;
+  OwnerChanges changes_;
   std::uint64_t duplicated_ = 0, lost_ = 0, rolled_back_ = 0, migrations_ = 0, conflicts_ = 0;
-  std::uint64_t changes_max_ = 0, largest_ = 0;
+  std::uint64_t largest_ = 0;
 };
 
 /// "world body 12", "injected body 3 of 0", "avatar 2", "thrown body 4 of player 1".

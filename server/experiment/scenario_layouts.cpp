@@ -56,6 +56,10 @@ WorldDefinition layout_world(std::string_view name) {
   if (name == "corner3") world.regions = three_at_a_corner();
   if (name == "corner4") world.regions = grid_of(2, 2);
   if (name == "corner9") world.regions = grid_of(3, 3);
+  // A heap of 300 comes to rest within 18 s of a run that pours for 7 s (half a minute with the
+  // speeds that worlds have by default, measured), so that the end of a run can be judged.
+  world.physics.sleep_linear_speed = 0.4f;
+  world.physics.sleep_angular_speed = 0.8f;
   world.bounds = {{-150, -20, -150}, {150, 100, 150}};
   world.prototypes = {prototype("sphere", SphereShape{0.3f}, 10),
                       prototype("cuboid", BoxShape{{0.15f, 0.15f, 0.5f}}, 10),

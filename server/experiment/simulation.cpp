@@ -93,6 +93,7 @@ void Simulation::run_until(Micros until) {
     const Micros at =
         std::min({server_at, fault_at, restart_at, gateway_.wakes_at(), players_.wakes_at()});
     if (at > until) return;
+    virtual_us_ = at;
     network_.advance(at);
     if (fault_at == at || restart_at == at)
       begin_faults(at);
@@ -123,7 +124,6 @@ void Simulation::begin_faults(Micros now) {
 }
 
 void Simulation::inject(const Fault& fault, Micros now) {
-  const auto ends = static_cast<End>(servers_.size());
   switch (fault.kind) {
     case Fault::Kind::stall:
       network_.stall(fault.b, fault.a, now + fault.duration_us);
@@ -138,16 +138,20 @@ void Simulation::inject(const Fault& fault, Micros now) {
       return servers_[static_cast<std::size_t>(fault.a)].slow_down(fault.frame_ms,
                                                                    now + fault.duration_us);
     case Fault::Kind::crash:
-      if (!network_.runs(fault.a)) return;
-      ++result_.crashes;
-      restarts_.push_back({now + fault.duration_us, fault.a});
-      if (fault.a == ends) return gateway_.crash(network_, now);
-      SimulatedServer& server = servers_[static_cast<std::size_t>(fault.a)];
-      const Tick gone = server.last_tick() + 1;
-      server.crash(network_, now, fault.loses_disk);
-      ownership_.crashed(server.self(), gone);
-      view_.gone(server.self(), gone);
+      return kill(fault.a, fault.loses_disk, fault.duration_us);
   }
+}
+
+void Simulation::kill(End who, bool lose_disk, std::optional<Micros> back_after_us) {
+  if (!network_.runs(who)) return;
+  ++result_.crashes;
+  if (back_after_us) restarts_.push_back({virtual_us_ + *back_after_us, who});
+  if (who == static_cast<End>(servers_.size())) return gateway_.crash(network_, virtual_us_);
+  SimulatedServer& server = servers_[static_cast<std::size_t>(who)];
+  const Tick gone = server.last_tick() + 1;
+  server.crash(network_, virtual_us_, lose_disk);
+  ownership_.crashed(server.self(), gone);
+  view_.gone(server.self(), gone);
 }
 
 bool Simulation::players_act(Micros now) const {

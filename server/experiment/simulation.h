@@ -3,7 +3,7 @@
 #pragma once
 
 #include <functional>
-#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,6 +50,8 @@ class Simulation {
   const InteractionOracle& interactions() const { return interactions_; }
   const OwnershipOracle& ownership() const { return ownership_; }
   const std::vector<SeenBody>& seen() const { return seen_; }
+  /// kill -9; it starts again after that time, or never.
+  void kill(End who, bool lose_disk, std::optional<Micros> back_after_us);
   /// Judges the end and reports.
   SeedResult finish();
 
@@ -90,6 +92,7 @@ class Simulation {
   std::vector<std::uint64_t> struck_, events_;  ///< Of each server's present core.
   SeedResult result_;
   Tick now_;
+  Micros virtual_us_ = 0;  ///< Of the event at hand.
 };
 
 /// Makes the scenario of the options and runs it. Errors: those of make_scenario.

@@ -1,0 +1,199 @@
+// Every oracle is shown a world in which its rule is broken, and sees it.
+#include "protocol/wire.h"
+#include "server/experiment/simulation.h"
+#include "tests/support/catch.h"
+
+using namespace aureole;
+
+namespace {
+
+SimulationOptions calm(double seconds) {
+  SimulationOptions options;
+  options.scenario.seed = 1;
+  options.scenario.seconds = seconds;
+  return options;
+}
+
+/// Two balls that collide on the boundary at x = 0, half a second from the beginning.
+WorldDefinition collision(MigrationMode mode) {
+  WorldDefinition world = layout_world("column4");
+  world.mode = mode;
+  put_body(world, sphere_prototype, {-4, 1.5, 0}, {8, 2, 0});
+  put_body(world, sphere_prototype, {4, 1.5, 0}, {-8, 2, 0});
+  return world;
+}
+
+bool told_of(const SeedResult& result, const std::string& rule) {
+  return std::any_of(result.violations.begin(), result.violations.end(),
+                     [&](const Violation& v) { return v.rule == rule; });
+}
+
+}  // namespace
+
+TEST_CASE("a naive handoff lets two bodies meet unseen, and the oracle counts the pair once") {
+  Simulation simulation({collision(MigrationMode::naive), "test", 0}, calm(1.5));
+  while (simulation.now().value < 90) simulation.tick();
+  const SeedResult result = simulation.finish();
+  REQUIRE(result.missed_interactions == 1);
+  REQUIRE(result.missed_interactions_in_tolerance == 1);
+  REQUIRE(told_of(result, "missed"));
+}
+
+TEST_CASE("bodies that are brought together in time are no missed interaction") {
+  Simulation simulation({collision(MigrationMode::adaptive), "test", 0}, calm(1.5));
+  while (simulation.now().value < 90) simulation.tick();
+  REQUIRE(simulation.finish().missed_interactions == 0);
+}
+
+TEST_CASE("a missed interaction is excused while the link between the two servers is held") {
+  Simulation simulation({collision(MigrationMode::naive), "test", 0}, calm(1.5));
+  simulation.network().stall(1, 2, 400'000);
+  while (simulation.now().value < 90) simulation.tick();
+  const SeedResult result = simulation.finish();
+  REQUIRE(result.missed_interactions == 1);
+  REQUIRE(result.missed_interactions_in_tolerance == 0);
+}
+
+TEST_CASE(
+    "bodies that went through each other between two ticks are seen where Bullet would have") {
+  const WorldDefinition world = layout_world("column4");
+  const ToleranceRecord tolerances(4, world.tolerances);
+  const OwnershipOracle ownership(world, 4);
+  // Thick bodies, one of them fast: half a metre a tick against spheres of 0.6 m.
+  for (const bool meet : {true, false}) {
+    InteractionOracle oracle(world, tolerances, ownership);
+    SeenBody resting{BodyId::world(0), sphere_prototype, RegionId{0}, {}};
+    SeenBody flying{BodyId::world(1), sphere_prototype, RegionId{1}, {}};
+    resting.state.position = {0, 1, 0};
+    flying.state.linear_velocity = {40, 0, 0};
+    flying.state.position = {-0.64, 1, meet ? 0.0 : 0.7};
+    oracle.look(Tick{1}, {resting, flying});
+    flying.state.position.x += 1.28;
+    oracle.look(Tick{2}, {resting, flying});
+    REQUIRE(oracle.missed() == (meet ? 1u : 0u));
+  }
+}
+
+TEST_CASE("an overlap that two bodies had when they were cut counts only when it grows") {
+  const WorldDefinition world = layout_world("column4");
+  const ToleranceRecord tolerances(4, world.tolerances);
+  const OwnershipOracle ownership(world, 4);
+  InteractionOracle oracle(world, tolerances, ownership);
+  SeenBody a{BodyId::world(0), sphere_prototype, RegionId{0}, {}};
+  SeenBody b{BodyId::world(1), sphere_prototype, RegionId{0}, {}};
+  a.state.position = {0, 1, 0};
+  b.state.position = {0.55, 1, 0};
+  oracle.look(Tick{1}, {a, b});
+  b.owner = RegionId{1};
+  for (int t = 2; t < 20; ++t) oracle.look(Tick{t}, {a, b});
+  REQUIRE(oracle.missed() == 0);
+  b.state.position.x = 0.5;
+  oracle.look(Tick{20}, {a, b});
+  REQUIRE(oracle.missed() == 1);
+}
+
+TEST_CASE("struck stand-ins are missed interactions") {
+  const WorldDefinition world = layout_world("column4");
+  ToleranceRecord tolerances(4, world.tolerances);
+  const OwnershipOracle ownership(world, 4);
+  InteractionOracle oracle(world, tolerances, ownership);
+  oracle.stand_ins_struck(RegionId{0}, Tick{100}, 2);
+  REQUIRE(oracle.missed_in_tolerance() == 2);
+  tolerances.link_outside(RegionId{0}, RegionId{1}, Tick{100});
+  oracle.stand_ins_struck(RegionId{0}, Tick{101}, 1);
+  REQUIRE(oracle.missed() == 3);
+  REQUIRE(oracle.missed_in_tolerance() == 2);
+}
+
+TEST_CASE("a body that a second server is made to simulate is a duplicate") {
+  WorldDefinition world = layout_world("column4");
+  const BodyId ball = put_body(world, sphere_prototype, {-5, 0.3, 0});
+  Simulation simulation({world, "test", 0}, calm(1));
+  for (int t = 0; t < 5; ++t) simulation.tick();
+  HandoffGroup forged;
+  forged.tick = simulation.now();
+  forged.bodies.push_back(
+      {{ball, sphere_prototype, simulation.server(1).core().physics().state(ball)}, 1, 0});
+  const Frame frame{FrameType::handoff, 1, encode_handoff(forged)};
+  REQUIRE(simulation.server(2).core().receive(PeerId{1}, frame));
+  for (int t = 0; t < 5; ++t) simulation.tick();
+  const SeedResult result = simulation.finish();
+  REQUIRE(result.bodies_duplicated == 1);
+  REQUIRE(told_of(result, "duplicated"));
+}
+
+TEST_CASE("bodies of a region that never comes back are lost") {
+  WorldDefinition world = layout_world("column4");
+  for (int k = 0; k < 3; ++k) put_body(world, sphere_prototype, {-5.0 - 2 * k, 0.3, 0});
+  Simulation simulation({world, "test", 0}, calm(1));
+  for (int t = 0; t < 30; ++t) simulation.tick();
+  simulation.kill(1, true, {});
+  for (int t = 0; t < 30; ++t) simulation.tick();
+  const SeedResult result = simulation.finish();
+  REQUIRE(result.bodies_lost == 3);
+  REQUIRE(told_of(result, "lost"));
+}
+
+TEST_CASE("what was born an instant before its server was killed is rolled back, not lost") {
+  WorldDefinition world = layout_world("column4");
+  put_body(world, sphere_prototype, {-5, 0.3, 0});
+  Simulation simulation({world, "test", 0}, calm(1));
+  for (int t = 0; t < 3; ++t) simulation.tick();
+  simulation.kill(1, true, {});
+  for (int t = 0; t < 30; ++t) simulation.tick();
+  const SeedResult result = simulation.finish();
+  REQUIRE(result.bodies_lost == 0);
+  REQUIRE(result.bodies_rolled_back == 1);
+}
+
+TEST_CASE("more than two changes of owner in any second are too many") {
+  OwnerChanges changes;
+  REQUIRE(changes.add(BodyId::world(1), Tick{10}) == 1);
+  REQUIRE(changes.add(BodyId::world(2), Tick{11}) == 1);
+  REQUIRE(changes.add(BodyId::world(1), Tick{40}) == 2);
+  REQUIRE(changes.add(BodyId::world(1), Tick{71}) == 3);
+  REQUIRE(changes.add(BodyId::world(1), Tick{72}) == 3);  // The first is a second ago by now.
+  REQUIRE(changes.max() == 3);
+  REQUIRE(changes.since(Tick{71}) == 2);
+}
+
+TEST_CASE("a body that sleeps in another server's region is not settled") {
+  WorldDefinition world = layout_world("column4");
+  put_body(world, sphere_prototype, {-5, 0.3, 0}, {0, 0, 0}, Activation::asleep);
+  world.bodies[0].host = RegionId{2};
+  SimulationOptions options = calm(1);
+  Simulation simulation({world, "test", 0}, options);
+  // While the two are not linked it cannot go home.
+  simulation.network().reset(1, 2, 0, 3'600'000'000);
+  for (int t = 0; t < 100; ++t) simulation.tick();
+  const SeedResult result = simulation.finish();
+  REQUIRE(result.unsettled == 1);
+  REQUIRE(told_of(result, "unsettled"));
+}
+
+TEST_CASE("a message that a core refuses is told of") {
+  WorldDefinition world = layout_world("column4");
+  Simulation simulation({world, "test", 0}, calm(1));
+  for (int t = 0; t < 5; ++t) simulation.tick();
+  // A hello in the middle of a conversation.
+  const Bytes nonsense = encode_frame(FrameType::hello, 0, Bytes(8));
+  simulation.network().send(1, 2, std::make_shared<const Bytes>(nonsense),
+                            simulation.now().value * tick_us);
+  for (int t = 0; t < 5; ++t) simulation.tick();
+  const SeedResult result = simulation.finish();
+  REQUIRE(result.refused_messages == 1);
+  REQUIRE(told_of(result, "refused"));
+}
+
+TEST_CASE("one seed gives one hash, however often it is run; another seed another") {
+  const auto hash = [](std::uint64_t seed) {
+    SimulationOptions options = calm(2);
+    options.scenario.seed = seed;
+    options.scenario.bodies = 40;
+    options.faults = FaultKinds::links;
+    return simulate(options)->hash;
+  };
+  const std::uint64_t first = hash(2);
+  REQUIRE(hash(2) == first);
+  REQUIRE(hash(4) != first);
+}
