@@ -47,7 +47,8 @@ void Hosting::spawn(std::span<const NewBody> bodies, std::uint32_t epoch) {
   std::vector<NewBody> born;
   for (const NewBody& body : bodies)
     // Another region may have handed a body of this name over: what was first stays.
-    if (records_.emplace(body.id, Record{epoch, never_changed, moved_before(body.state)}).second) born.push_back(body);
+    if (records_.emplace(body.id, Record{epoch, never_changed, moved_before(body.state)}).second)
+      born.push_back(body);
   physics_.add(born);
   for (const NewBody& body : born) publisher_.body_gained(body.id, version(body.id));
   counts_.spawned += born.size();
@@ -81,8 +82,8 @@ HandoffGroup Hosting::release(std::span<const BodyId> ids, Tick now) {
   group.contacts = physics_.contacts_within(ids);
   std::erase_if(group.contacts, [](const auto& manifold) { return !may_travel(manifold); });
   for (BodyId id : ids)
-    group.bodies.push_back({{id, physics_.prototype(id), physics_.state(id)}, epoch(id),
-                            still_ticks(id, now)});
+    group.bodies.push_back(
+        {{id, physics_.prototype(id), physics_.state(id)}, epoch(id), still_ticks(id, now)});
   std::sort(group.bodies.begin(), group.bodies.end(),
             [](const auto& a, const auto& b) { return a.body.id < b.body.id; });
   physics_.remove(ids);
@@ -109,8 +110,8 @@ std::vector<BodyId> Hosting::accept(const HandoffGroup& group, Tick now) {
     taken.push_back(arriving.body);
     ids.push_back(id);
     const bool last = arriving.epoch == std::numeric_limits<std::uint32_t>::max();
-    records_.emplace(id, Record{last ? arriving.epoch : arriving.epoch + 1, now,
-                                now - arriving.still_ticks});
+    records_.emplace(
+        id, Record{last ? arriving.epoch : arriving.epoch + 1, now, now - arriving.still_ticks});
   }
   physics_.add(taken);
   for (BodyId id : ids) publisher_.body_gained(id, version(id));

@@ -51,10 +51,10 @@ struct ToleranceEvent {
   Kind kind{};
   bool outside = false;  ///< True when it is left, false when it holds again.
   Tick tick;
-  RegionId peer;      ///< latency, link
-  BodyId body;        ///< speed: the fastest
-  double value = 0;   ///< m/s, ms; link: ticks without word
-  double limit = 0;   ///< The tolerance.
+  RegionId peer;     ///< latency, link
+  BodyId body;       ///< speed: the fastest
+  double value = 0;  ///< m/s, ms; link: ticks without word
+  double limit = 0;  ///< The tolerance.
 };
 
 struct RegionStatistics {
@@ -68,8 +68,8 @@ struct RegionStatistics {
   std::uint64_t refused_bodies = 0;  ///< Not made because the world is full.
   std::uint64_t unacknowledged = 0;  ///< Messages in the journals.
   std::uint64_t stand_ins = 0;       ///< Resting bodies of others that ours can lean on.
-  /// Stand-ins whose load rose above its value at the cut by more than mass × 0.05 m/s: interactions
-  /// that were missed.
+  /// Stand-ins whose load rose above its value at the cut by more than mass × 0.05 m/s:
+  /// interactions that were missed.
   std::uint64_t struck_stand_ins = 0;
   std::uint64_t tolerance_events = 0;
   std::uint64_t recovered = 0;  ///< Bodies claimed after the death of an earlier start.
@@ -140,8 +140,8 @@ class RegionCore {
     Journal journal;                 ///< Regions.
     std::uint32_t bodies = 0;        ///< Last heard.
     Incarnation incarnation;
-    bool met = false;              ///< Has been up once.
-    bool recovering = false;       ///< Simulates nothing yet; it has asked us what we know.
+    bool met = false;               ///< Has been up once.
+    bool recovering = false;        ///< Simulates nothing yet; it has asked us what we know.
     std::uint64_t asked_round = 0;  ///< Of a recovery query that waits for its answer; 0: none.
   };
   struct Arrived {
