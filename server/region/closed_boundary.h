@@ -1,7 +1,7 @@
 // While a region is down, its boundary is a wall to its neighbours' bodies.
 #pragma once
 
-#include <span>
+#include <vector>
 
 #include "server/aura/partition_map.h"
 #include "server/base/ids.h"
@@ -9,10 +9,24 @@
 
 namespace aureole {
 
-/// Call before each physics step of `dt_s` (s). An awake body whose centre is outside the areas of
-/// the regions in `closed` and would be inside one of them after the step loses the part of its
-/// velocity that leads in. Bodies that are already across are let be.
-void hold_back(PhysicsWorld& physics, const PartitionMap& map, std::span<const RegionId> closed,
-               float dt_s);
+/// For one physics step. An awake body whose centre is outside the areas of the regions in `closed`
+/// and would be inside one of them after the step loses the part of its velocity that leads in, and
+/// its spin; whatever is pushed in all the same is put back on the edge. Bodies that are already
+/// across are let be.
+class ClosedBoundary {
+ public:
+  ClosedBoundary(const PartitionMap& map, std::vector<RegionId> closed)
+      : map_(map), closed_(std::move(closed)) {}
+
+  /// Call before the step of `dt_s` (s) …
+  void before_step(PhysicsWorld& physics, float dt_s);
+  /// … and after it.
+  void after_step(PhysicsWorld& physics) const;
+
+ private:
+  const PartitionMap& map_;
+  std::vector<RegionId> closed_;
+  std::vector<BodyId> outside_;  ///< Those that could get across in this step.
+};
 
 }  // namespace aureole

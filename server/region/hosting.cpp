@@ -49,7 +49,8 @@ void Hosting::spawn(std::span<const NewBody> bodies, std::uint32_t epoch) {
   std::vector<NewBody> born;
   for (const NewBody& body : bodies)
     // Another region may have handed a body of this name over: what was first stays.
-    if (records_.emplace(body.id, Record{epoch, never_changed, moved_before(body.state)}).second) born.push_back(body);
+    if (records_.emplace(body.id, Record{epoch, never_changed, moved_before(body.state)}).second)
+      born.push_back(body);
   physics_.add(born);
   std::vector<BodyId> sleepers;
   for (const NewBody& body : born)
@@ -173,8 +174,8 @@ std::vector<BodyId> Hosting::accept(const HandoffGroup& group, Tick now) {
     taken.push_back(arriving.body);
     ids.push_back(id);
     const bool last = arriving.epoch == std::numeric_limits<std::uint32_t>::max();
-    records_.emplace(id, Record{last ? arriving.epoch : arriving.epoch + 1, now,
-                                now - arriving.still_ticks});
+    records_.emplace(
+        id, Record{last ? arriving.epoch : arriving.epoch + 1, now, now - arriving.still_ticks});
   }
   physics_.add(taken);
   for (BodyId id : ids) publisher_.body_gained(id, version(id));

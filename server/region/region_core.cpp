@@ -101,8 +101,9 @@ Status RegionCore::receive(PeerId from, const Frame& frame) {
   if (frame.type == FrameType::recovery_query || frame.type == FrameType::recovery_answer)
     return receive_recovery(from, peer, frame);
   if (!from.is_region())
-    return Error::format("a gateway sent a message of type {}; expected commands or a recovery answer",
-                         static_cast<int>(frame.type));
+    return Error::format(
+        "a gateway sent a message of type {}; expected commands or a recovery answer",
+        static_cast<int>(frame.type));
   switch (frame.type) {
     case FrameType::acknowledge: {
       const auto* message = verified<wire::Acknowledge>(frame.payload);
@@ -171,7 +172,8 @@ bool RegionCore::is_up(RegionId region) const {
 std::vector<RegionId> RegionCore::closed_regions() const {
   std::vector<RegionId> closed;
   for (const auto& [id, peer] : peers_)
-    if (id.is_region() && peer.met && (!peer.up || peer.recovering)) closed.push_back(id.as_region());
+    if (id.is_region() && peer.met && (!peer.up || peer.recovering))
+      closed.push_back(id.as_region());
   return closed;
 }
 

@@ -76,8 +76,10 @@ void RegionCore::step(Tick now, const ShellMeasurements& measured) {
   spawn(now);
   apply_blasts(now);
   players_.drive(now, player_output_);
-  hold_back(hosting_.physics(), map_, closed_regions(), tick_s);
+  ClosedBoundary closed(map_, closed_regions());
+  closed.before_step(hosting_.physics(), tick_s);
   hosting_.physics().step(tick_s);
+  closed.after_step(hosting_.physics());
   watch_stand_ins(now);
   remove_strays(now);
   // Gateways hear of this step from the server that took it, also of bodies that leave now: their

@@ -108,8 +108,7 @@ Result<std::vector<SharedBytes>> answer_recovery(const ReplicaStore& store, Regi
     const auto traces_at =
         builder.CreateVectorOfStructs(some_removals.data(), some_removals.size());
     const auto states_at = builder.CreateVectorOfStructs(some_states.data(), some_states.size());
-    const auto players_at =
-        builder.CreateVectorOfStructs(some_players.data(), some_players.size());
+    const auto players_at = builder.CreateVectorOfStructs(some_players.data(), some_players.size());
     frames.push_back(std::make_shared<const Bytes>(
         finish_frame(builder,
                      wire::CreateRecoveryAnswer(builder, question->round(), n + 1 == count, false,

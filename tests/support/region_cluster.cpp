@@ -90,8 +90,7 @@ void RegionCluster::deliver() {
   }
   for (auto& [to, answers] : store_answers_) {
     if (is_alive(to) && store_)
-      for (const SharedBytes& bytes : answers)
-        hand_over(PeerId::gateway(0).value, to, bytes);
+      for (const SharedBytes& bytes : answers) hand_over(PeerId::gateway(0).value, to, bytes);
     answers.clear();
   }
 }
@@ -151,7 +150,8 @@ void RegionCluster::cut_link(int a, int b) {
   for (const auto& ends : {std::pair(a, b), std::pair(b, a)}) {
     links_[ends].clear();
     cut_[ends] = true;
-    if (is_alive(ends.first)) core(ends.first).peer_down(PeerId{static_cast<std::uint16_t>(ends.second)});
+    if (is_alive(ends.first))
+      core(ends.first).peer_down(PeerId{static_cast<std::uint16_t>(ends.second)});
   }
 }
 

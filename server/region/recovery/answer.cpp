@@ -40,8 +40,8 @@ wire::ReplicaKey to_wire(const KnownState& known) {
 }
 
 Status check_version(BodyId id, const wire::ReplicaVersion& version, std::size_t regions) {
-  if (!id.valid()) return Error::format("a recovery answer names body {:#x}, which cannot be",
-                                        id.value);
+  if (!id.valid())
+    return Error::format("a recovery answer names body {:#x}, which cannot be", id.value);
   if (version.region() >= regions)
     return Error::format("a recovery answer has body {:#x} in region {}; this world has {}",
                          id.value, version.region(), regions);
@@ -74,11 +74,11 @@ Result<KnownState> from_wire(const wire::ReplicaKey& key, std::size_t regions,
 
 Result<KnownPlayer> from_wire(const wire::PlayerStatus& p) {
   const BodyId carried{p.carried()};
-  const bool can_be = carried == BodyId{} ||
-                      (carried.valid() && carried.kind() != BodyId::Kind::avatar);
+  const bool can_be =
+      carried == BodyId{} || (carried.valid() && carried.kind() != BodyId::Kind::avatar);
   if (p.player() == 0 || p.session() > session_max || !can_be)
-    return Error::format("a recovery answer has player {} in session {} carrying {:#x}",
-                         p.player(), p.session(), p.carried());
+    return Error::format("a recovery answer has player {} in session {} carrying {:#x}", p.player(),
+                         p.session(), p.carried());
   return KnownPlayer{PlayerId{p.player()}, p.session(), p.applied_sequence(), carried};
 }
 
@@ -92,8 +92,8 @@ std::span<const T> piece(const std::vector<T>& all, std::size_t n, std::size_t s
 
 SharedBytes encode_recovery_query(std::uint64_t round) {
   flatbuffers::FlatBufferBuilder builder(64);
-  return std::make_shared<const Bytes>(finish_frame(
-      builder, wire::CreateRecoveryQuery(builder, round), FrameType::recovery_query));
+  return std::make_shared<const Bytes>(
+      finish_frame(builder, wire::CreateRecoveryQuery(builder, round), FrameType::recovery_query));
 }
 
 Result<std::uint64_t> decode_recovery_query(std::span<const std::byte> payload) {
@@ -139,8 +139,13 @@ Result<RecoveryAnswer> decode_recovery_answer(std::span<const std::byte> payload
   if (message == nullptr) return Error{"a recovery answer is not a valid message"};
   if (message->heard_tick() < -1 || message->heard_tick() > tick_limit)
     return Error::format("a recovery answer has heard of tick {}", message->heard_tick());
-  RecoveryAnswer answer{message->round(), message->complete(), message->recovering(),
-                        Tick{message->heard_tick()}, {}, {}, {}};
+  RecoveryAnswer answer{message->round(),
+                        message->complete(),
+                        message->recovering(),
+                        Tick{message->heard_tick()},
+                        {},
+                        {},
+                        {}};
   if (message->traces() != nullptr) {
     for (const wire::RecoveryTrace* t : *message->traces()) {
       if (auto ok = check_version(BodyId{t->id()}, t->version(), regions); !ok) return ok.error();

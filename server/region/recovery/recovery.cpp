@@ -134,9 +134,8 @@ Status Recovery::hear_answer(PeerId from, std::span<const std::byte> payload) {
 }
 
 bool Recovery::all_regions_up() const {
-  return std::all_of(peers_.begin(), peers_.end(), [](const auto& entry) {
-    return !entry.first.is_region() || entry.second.up;
-  });
+  return std::all_of(peers_.begin(), peers_.end(),
+                     [](const auto& entry) { return !entry.first.is_region() || entry.second.up; });
 }
 
 std::vector<PeerId> Recovery::ask(Tick now) {

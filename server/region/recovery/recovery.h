@@ -54,7 +54,7 @@ class Recovery {
     std::vector<Avatar> avatars;             ///< Of those bodies.
     std::set<BodyId> known;                  ///< Everything anybody has ever told of.
     bool nobody_knew = false;                ///< No snapshot, no store: the world begins anew here.
-    Tick heard{-1};                          ///< Newest tick that any store had heard of this region.
+    Tick heard{-1};                   ///< Newest tick that any store had heard of this region.
     std::uint64_t without_state = 0;  ///< Should be claimed, but nobody knew where they were.
   };
   Outcome decide(Tick now) const;
@@ -76,9 +76,9 @@ class Recovery {
   struct Peer {
     bool up = false;
     Incarnation incarnation;
-    std::uint64_t asked = 0;      ///< Round.
-    std::uint64_t answered = 0;   ///< Round of which everything has come.
-    bool recovering = false;      ///< By its newest answer.
+    std::uint64_t asked = 0;     ///< Round.
+    std::uint64_t answered = 0;  ///< Round of which everything has come.
+    bool recovering = false;     ///< By its newest answer.
     bool has_ever_answered = false;
     Tick asked_at;
     std::map<BodyId, Version> candidates;  ///< While it recovers.

@@ -51,8 +51,7 @@ void RegionCore::make_snapshot(Tick now) {
   Unwritten unwritten{now, {}};
   for (const auto& [id, peer] : peers_) {
     if (!id.is_region()) {
-      snapshot.gateways.push_back(
-          static_cast<std::uint16_t>(id.value - PeerId::first_gateway));
+      snapshot.gateways.push_back(static_cast<std::uint16_t>(id.value - PeerId::first_gateway));
       continue;
     }
     Snapshot::Peer& entry = snapshot.peers.emplace_back();

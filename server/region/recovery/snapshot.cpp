@@ -42,8 +42,8 @@ Status check_size(const Vector* vector, std::size_t max, const char* of) {
   return Ok{};
 }
 
-Result<std::vector<HandoffGroup>> read_groups(
-    const flatbuffers::Vector<MessageAt>* messages, const SnapshotOwner& owner) {
+Result<std::vector<HandoffGroup>> read_groups(const flatbuffers::Vector<MessageAt>* messages,
+                                              const SnapshotOwner& owner) {
   std::vector<HandoffGroup> groups;
   if (messages == nullptr) return groups;
   if (auto ok = check_size(messages, messages_max, "groups"); !ok) return ok.error();
@@ -99,8 +99,7 @@ Status check_owner(const wire::Snapshot& table, const SnapshotOwner& owner) {
   if (table.format() != snapshot_format)
     return Error::format("the snapshot has format {}; expected {}", table.format(),
                          snapshot_format);
-  if (table.world_hash() != owner.world_hash)
-    return Error{"the snapshot is of another world"};
+  if (table.world_hash() != owner.world_hash) return Error{"the snapshot is of another world"};
   if (table.region() != owner.region.value)
     return Error::format("the snapshot is of region {}; expected {}", table.region(),
                          owner.region.value);
@@ -128,13 +127,11 @@ Bytes encode_snapshot(const Snapshot& snapshot, const SnapshotOwner& owner) {
   std::vector<flatbuffers::Offset<wire::SnapshotPeer>> peers_at;
   for (const Snapshot::Peer& peer : snapshot.peers) {
     std::vector<MessageAt> journal, waiting;
-    for (const auto& [type, payload] : peer.journal)
-      journal.push_back(add(builder, type, payload));
+    for (const auto& [type, payload] : peer.journal) journal.push_back(add(builder, type, payload));
     for (const HandoffGroup& group : peer.waiting)
       waiting.push_back(add(builder, FrameType::handoff, encode_handoff(group)));
-    peers_at.push_back(wire::CreateSnapshotPeer(builder, peer.region.value,
-                                                builder.CreateVector(journal),
-                                                builder.CreateVector(waiting)));
+    peers_at.push_back(wire::CreateSnapshotPeer(
+        builder, peer.region.value, builder.CreateVector(journal), builder.CreateVector(waiting)));
   }
   std::vector<wire::SnapshotRemoval> removals;
   for (const auto& [id, tick] : snapshot.removals) removals.push_back({id.value, tick.value});
@@ -148,8 +145,8 @@ Bytes encode_snapshot(const Snapshot& snapshot, const SnapshotOwner& owner) {
   const auto gateways_at = builder.CreateVector(snapshot.gateways);
   builder.Finish(wire::CreateSnapshot(builder, snapshot_format, owner.world_hash,
                                       owner.region.value, snapshot.incarnation.value,
-                                      snapshot.tick.value, hosted_vector, peers_vector,
-                                      injected_at, blasts_at, removals_at, gateways_at));
+                                      snapshot.tick.value, hosted_vector, peers_vector, injected_at,
+                                      blasts_at, removals_at, gateways_at));
   const auto all = std::as_bytes(std::span(builder.GetBufferPointer(), builder.GetSize()));
   return {all.begin(), all.end()};
 }

@@ -31,8 +31,8 @@ struct Snapshot {
   /// each piece, and the avatars among them.
   std::vector<HandoffGroup> hosted;
   std::vector<Peer> peers;
-  std::vector<std::uint64_t> injected;  ///< For each injector, how many it had made.
-  std::vector<BlastEffect> blasts;      ///< Recent ones and those to come.
+  std::vector<std::uint64_t> injected;            ///< For each injector, how many it had made.
+  std::vector<BlastEffect> blasts;                ///< Recent ones and those to come.
   std::vector<std::pair<BodyId, Tick>> removals;  ///< See RegionCore::pending_removals_.
   std::vector<std::uint16_t> gateways;            ///< Linked at that moment.
 };

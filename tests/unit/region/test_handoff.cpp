@@ -137,15 +137,18 @@ TEST_CASE("a group that the receiver lost by restarting is sent to its next inca
 
 TEST_CASE("nobody crosses a boundary whose other side is down") {
   auto world = flat_world(2);
-  const BodyId id = put(world, ball, {49, 0.3, 0}, {6, 0, 0});
+  const BodyId comes = put(world, ball, {48, 0.3, 0}, {6, 0, 0});
+  const BodyId across = put(world, ball, {50.1, 0.3, 5}, {6, 0, 0});
+  world.bodies[1].host = RegionId{0};
   RegionCluster cluster(world);
-  cluster.step(1);
   cluster.cut_link(0, 1);
   cluster.step(60);
-  REQUIRE(cluster.owner(id) == 0);
+  REQUIRE(cluster.owner(comes) == 0);
+  REQUIRE(cluster.state(comes).position.x < 50);
+  REQUIRE(cluster.owner(across) == 0);
   cluster.reset_link(0, 1);
   cluster.step(5);
-  REQUIRE(cluster.owner(id) == 1);
+  REQUIRE(cluster.owner(across) == 1);
 }
 
 TEST_CASE("a sleeping stack is handed over whole and stays asleep to the bit") {
