@@ -321,14 +321,20 @@ void RegionCore::publish(Tick now, const SharedBytes& update, const ShellMeasure
   SharedBytes status;
   if (now.value % status_interval_ticks == 0) {
     const RegionStatistics s = statistics();
-    flatbuffers::FlatBufferBuilder builder(128);
+    flatbuffers::FlatBufferBuilder builder(256);
+    std::vector<wire::ToleranceMark> outside;
+    for (const ToleranceEvent& e : tolerances_.outside())
+      outside.emplace_back(e.tick.value, e.value, e.limit, e.peer.value,
+                           static_cast<std::uint8_t>(e.kind));
+    const auto outside_at = builder.CreateVectorOfStructs(outside);
     status = std::make_shared<const Bytes>(finish_frame(
         builder,
         wire::CreateRegionStatus(builder, now.value, static_cast<std::uint32_t>(s.bodies),
                                  static_cast<std::uint32_t>(s.awake), measured.frame_us_p50,
                                  measured.frame_us_max, s.migrations_in, s.migrations_out,
                                  measured.overruns, measured.skipped_ticks, s.removed_strays,
-                                 static_cast<std::uint32_t>(s.unacknowledged)),
+                                 static_cast<std::uint32_t>(s.unacknowledged), outside_at,
+                                 s.tolerance_events),
         FrameType::region_status));
   }
   for (auto& [id, peer] : peers_) {
