@@ -18,7 +18,7 @@ using Bytes = std::vector<std::byte>;
 using SharedBytes = std::shared_ptr<const Bytes>;
 
 /// Refused on mismatch; grows with every change of meaning on the wire.
-inline constexpr std::uint32_t protocol_version = 2;
+inline constexpr std::uint32_t protocol_version = 3;
 
 enum class FrameType : std::uint16_t {
   hello = 1,
@@ -32,8 +32,10 @@ enum class FrameType : std::uint16_t {
   replica_update = 9,
   region_status = 10,
   auras = 11,
+  recovery_query = 12,
+  recovery_answer = 13,
 };
-inline constexpr std::uint16_t last_frame_type = 11;
+inline constexpr std::uint16_t last_frame_type = 13;
 
 /// 16 bytes before each payload. Payloads are multiples of 8 bytes long, so that in a buffer that
 /// starts aligned every FlatBuffer stays aligned.

@@ -35,16 +35,23 @@ inline bool vectors_are_aligned(const wire::Handoff& t) {
   if (t.players() != nullptr)
     for (const wire::HandoffPlayer* player : *t.players())
       if (!is_aligned(player->waiting())) return false;
-  return is_aligned(t.bodies());
+  return is_aligned(t.bodies()) && is_aligned(t.stand_ins());
 }
 inline bool vectors_are_aligned(const wire::Effects& t) {
   return is_aligned(t.blasts()) && is_aligned(t.removals()) && is_aligned(t.requests());
 }
 inline bool vectors_are_aligned(const wire::Auras& t) {
-  return is_aligned(t.auras()) && is_aligned(t.removed()) && is_aligned(t.pulls());
+  return is_aligned(t.auras()) && is_aligned(t.resting()) && is_aligned(t.removed()) &&
+         is_aligned(t.handed_over()) && is_aligned(t.pulls());
 }
 inline bool vectors_are_aligned(const wire::ReplicaUpdate& t) {
   return is_aligned(t.keys()) && is_aligned(t.removed()) && is_aligned(t.players());
+}
+inline bool vectors_are_aligned(const wire::RecoveryAnswer& t) {
+  return is_aligned(t.traces()) && is_aligned(t.states()) && is_aligned(t.players());
+}
+inline bool vectors_are_aligned(const wire::Snapshot& t) {
+  return is_aligned(t.injected()) && is_aligned(t.removals());
 }
 
 }  // namespace detail

@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
   aureole::add_gateway(app, exit_code);
   aureole::add_status(app, exit_code);
   aureole::add_bench(app, exit_code);
+  aureole::add_simulate(app, exit_code);
 
   if (argc == 1) {
     fmt::print("{}", app.help());

@@ -1,48 +1,50 @@
-// Aura projection: what may soon touch is brought together, what has left for good goes home.
+// The adaptive mode: what moves must be together, what rests may be cut.
 //
 // Every body has an aura: its box grown by what it can move in the time that a decision and a
-// handoff take. Auras that reach beyond their region are projected to all servers that may host
-// something there. Where a body of ours overlaps a projected aura, the two must be hosted together:
+// handoff take, blows that it may soon take included (blow_forecast.h). A resting body that nothing
+// will strike hardly reaches further than its shape. Auras that reach beyond their region are
+// projected to all servers that may host something there. Two bodies whose auras overlap must be
+// hosted together unless both rest; then each is to the other a wall that does not move, a stand-in.
 //
-//   - One arbiter decides for each pair of servers, the one with the lower number, so that two
-//     servers can never disagree and swap their bodies for ever: it asks the other for its body.
-//   - With a body goes its cluster: everything here whose auras overlap, recursively, so that a
-//   move
-//     does not tear apart what touches (section 3.4, thrashing).
+//   - Between two servers bodies that must meet always go to the one with the lower number, so that
+//     two servers can never disagree and swap them for ever: the higher one sends as soon as it
+//     knows, the lower one asks for what the other may not know of.
+//   - With a body goes its cluster: everything here whose auras overlap, recursively, so that a move
+//     does not tear apart what touches (section 3.4, thrashing). It ends at pairs that rest.
 //   - A cluster of which no member reaches into the host's region, and which no projected aura
-//     touches, is an island: it goes to the region that holds most of it (section 3.5).
+//     touches, is an island: it goes to the region that holds most of it (section 3.5). What rests
+//     goes home body by body.
 #include <algorithm>
 #include <map>
 #include <set>
 #include <unordered_map>
 
+#include "server/aura/aura_size.h"
+#include "server/aura/blow_forecast.h"
 #include "server/aura/migration_policy.h"
 
 namespace aureole {
 namespace {
 
-/// Resting bodies reach this much further than their shape (m): two that touch, or nearly, belong
-/// together even before they stir.
-constexpr double resting_margin_m = 0.08;
-
 /// Air that an island needs around it before it goes home (m); more than an aura is rounded by.
 constexpr double island_clearance_m = 0.1;
 
+/// Whoever has moved or expected a blow stays where it is for so long before it counts as resting
+/// for good and goes home.
+constexpr std::int64_t quiet_ticks = 32;
+
 class AdaptivePolicy final : public MigrationPolicy {
  public:
-  explicit AdaptivePolicy(const AuraTolerances& tolerances)
-      // A request to the other server takes one more flight than the paper's T_T covers.
-      : reach_s_(total_displacement_s(tolerances) + steps_in_flight(tolerances) * (tick_us / 1e6)) {
-  }
+  explicit AdaptivePolicy(const AuraTolerances& tolerances) : reach_s_(reach_time_s(tolerances)) {}
 
   MigrationDecision decide(const MigrationSituation& s) override {
     prepare(s);
     MigrationDecision decision;
-    std::map<RegionId, std::vector<BodyId>> leaving;
+    Leaving leaving;
     std::map<RegionId, std::set<BodyId>> pulls;
     answer_requests(s, leaving);
-    settle_overlaps(s, pulls);
-    send_islands_home(s, leaving);
+    settle_overlaps(s, leaving, pulls);
+    send_home(s, leaving);
     for (auto& [to, bodies] : leaving) {
       std::sort(bodies.begin(), bodies.end());
       decision.leaving.push_back({to, std::move(bodies)});
@@ -54,64 +56,54 @@ class AdaptivePolicy final : public MigrationPolicy {
   }
 
  private:
+  using Leaving = std::map<RegionId, std::vector<BodyId>>;
   static constexpr std::size_t none = static_cast<std::size_t>(-1);
   struct Cluster {
     std::vector<std::uint32_t> members;
     bool sent = false;
   };
 
-  /// `speed_mps`: the fastest that the body may soon move; negative: it rests.
-  AuraBox aura_of(const HostedBody& body, double speed_mps) const {
-    AuraBox box{body.position.vector(), body.half_extents};
-    double reach = resting_margin_m;
-    if (speed_mps >= 0) {
-      const double fall = 0.5 * 9.81 * reach_s_ * reach_s_;
-      reach += speed_mps * reach_s_ + fall;
-    }
-    box.half.array() += reach;
-    return box;
+  static bool lies_still(const HostedBody& body) {
+    return !body.pressed && (body.asleep || body.still_ticks >= resting_ticks);
   }
-
-  /// What may soon be struck may soon move as fast as what strikes it, and then it is too late to
-  /// ask whom it meets: its aura grows before the blow.
-  void expect_blows(const MigrationSituation& s) {
-    std::vector<double> speeds(speeds_);
-    std::vector<std::uint32_t> found;
-    bool any = false;
-    for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
-      if (s.hosted[i].asleep) continue;
-      found.clear();
-      grid_.find(boxes_[i], found);
-      for (std::uint32_t other : found) {
-        if (speeds[other] >= speeds_[i]) continue;
-        speeds[other] = speeds_[i];
-        any = true;
-      }
-    }
-    if (!any) return;
-    for (std::uint32_t i = 0; i < s.hosted.size(); ++i)
-      if (speeds[i] > speeds_[i]) boxes_[i] = aura_of(s.hosted[i], speeds[i]);
-    grid_.build(boxes_);
-  }
+  bool rests(std::uint32_t body) const { return expected_mps_[body] <= 0; }
 
   void prepare(const MigrationSituation& s) {
     boxes_.clear();
-    speeds_.clear();
+    moving_mps_.clear();
     for (const HostedBody& body : s.hosted) {
-      speeds_.push_back(body.asleep ? -1 : body.surface_speed_mps);
-      boxes_.push_back(aura_of(body, speeds_.back()));
+      // What has just stopped may start again: it counts as moving, if only a little.
+      moving_mps_.push_back(
+          lies_still(body) ? -1.0 : std::max(body.surface_speed_mps, still_speed_mps));
+      boxes_.push_back(moving_mps_.back() < 0 ? resting_aura(body) : flight_aura(body, reach_s_));
     }
     grid_.build(boxes_);
-    expect_blows(s);
+    forecast_.compute(s, moving_mps_, boxes_, grid_, expected_mps_, disturbed_);
+    bool grown = false;
+    for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
+      if (rests(i) || (!disturbed_[i] && !s.hosted[i].near_geometry &&
+                       expected_mps_[i] <= moving_mps_[i]))
+        continue;
+      boxes_[i] = struck_aura(s.hosted[i], expected_mps_[i], reach_s_);
+      grown = true;
+    }
+    if (grown) grid_.build(boxes_);
+    note_unrest(s);
     cluster_.assign(s.hosted.size(), none);
     clusters_.clear();
     contested_.assign(s.hosted.size(), false);
-    indices_.clear();
-    for (std::uint32_t i = 0; i < s.hosted.size(); ++i) indices_.emplace(s.hosted[i].id, i);
     followers_.clear();
+    for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
+      if (s.hosted[i].leader == BodyId{}) continue;
+      if (const auto leader = index_of(s.hosted, s.hosted[i].leader))
+        followers_[*leader].push_back(i);
+    }
+  }
+
+  void note_unrest(const MigrationSituation& s) {
     for (std::uint32_t i = 0; i < s.hosted.size(); ++i)
-      if (const auto it = indices_.find(s.hosted[i].leader); it != indices_.end())
-        followers_[it->second].push_back(i);
+      if (!rests(i)) unrest_[s.hosted[i].id] = s.now;
+    std::erase_if(unrest_, [&](const auto& entry) { return s.now - entry.second > quiet_ticks; });
   }
 
   /// Index of the cluster that the body belongs to; found when first asked for.
@@ -125,10 +117,11 @@ class AdaptivePolicy final : public MigrationPolicy {
     for (std::size_t k = 0; k < members.size(); ++k) {
       found.clear();
       grid_.find(boxes_[members[k]], found);
+      std::erase_if(found, [&](std::uint32_t other) { return rests(members[k]) && rests(other); });
       if (const auto it = followers_.find(members[k]); it != followers_.end())
         found.insert(found.end(), it->second.begin(), it->second.end());
-      if (const auto it = indices_.find(s.hosted[members[k]].leader); it != indices_.end())
-        found.push_back(it->second);
+      if (const BodyId leader = s.hosted[members[k]].leader; leader != BodyId{})
+        if (const auto at = index_of(s.hosted, leader)) found.push_back(*at);
       for (std::uint32_t other : found) {
         if (cluster_[other] != none) continue;
         cluster_[other] = number;
@@ -138,39 +131,46 @@ class AdaptivePolicy final : public MigrationPolicy {
     return number;
   }
 
-  void send(const MigrationSituation& s, std::size_t cluster, RegionId to,
-            std::map<RegionId, std::vector<BodyId>>& leaving) {
+  void send(const MigrationSituation& s, std::size_t cluster, RegionId to, Leaving& leaving) {
     if (clusters_[cluster].sent || to == s.self || !s.linked[to.value]) return;
     clusters_[cluster].sent = true;
     for (std::uint32_t member : clusters_[cluster].members)
       leaving[to].push_back(s.hosted[member].id);
   }
 
-  void answer_requests(const MigrationSituation& s,
-                       std::map<RegionId, std::vector<BodyId>>& leaving) {
+  void answer_requests(const MigrationSituation& s, Leaving& leaving) {
     for (const HandoverRequest& request : s.requested)
-      if (const auto it = indices_.find(request.body); it != indices_.end())
-        send(s, cluster_of(s, it->second), request.to, leaving);
+      if (const auto body = index_of(s.hosted, request.body))
+        send(s, cluster_of(s, *body), request.to, leaving);
   }
 
-  /// As arbiter, asks for the bodies of others that overlap ours. Owners thus change only towards
-  /// lower numbers while things meet, and debris on a corner is not passed around. What moves stays
-  /// where it is stepped; what rests is fetched, which disturbs it least.
-  void settle_overlaps(const MigrationSituation& s, std::map<RegionId, std::set<BodyId>>& pulls) {
+  /// Brings overlapping pairs together of which at least one moves. Owners thus change only towards
+  /// lower numbers while things meet, and debris on a corner is not passed around.
+  void settle_overlaps(const MigrationSituation& s, Leaving& leaving,
+                       std::map<RegionId, std::set<BodyId>>& pulls) {
     std::vector<std::uint32_t> found;
+    std::map<std::size_t, RegionId> lowest;
     visitors_.assign(s.hosted.size(), {});
     for (const RemoteAura& aura : s.remote) {
-      if (indices_.contains(aura.id)) continue;  // Word of a body that has come to us since.
+      if (index_of(s.hosted, aura.id)) continue;  // Word of a body that has come to us since.
       found.clear();
       grid_.find(aura.box, found);
       for (std::uint32_t body : found) {
-        contested_[body] = true;
         visitors_[body].push_back(aura.host);
-        // Not ours to decide, or ours is on its way already: the two must not swap.
-        if (aura.host < s.self || clusters_[cluster_of(s, body)].sent) continue;
-        pulls[aura.host].insert(aura.id);
+        if (rests(body) && aura.resting) continue;
+        contested_[body] = true;
+        const std::size_t cluster = cluster_of(s, body);
+        // Ours is on its way already: the two must not swap.
+        if (clusters_[cluster].sent) continue;
+        if (aura.host > s.self) {
+          pulls[aura.host].insert(aura.id);
+        } else if (s.linked[aura.host.value]) {
+          const auto [at, fresh] = lowest.try_emplace(cluster, aura.host);
+          if (!fresh) at->second = std::min(at->second, aura.host);
+        }
       }
     }
+    for (const auto& [cluster, to] : lowest) send(s, cluster, to, leaving);
   }
 
   /// The clusters around a body that are not clear of each other. Auras travel rounded outwards:
@@ -189,36 +189,47 @@ class AdaptivePolicy final : public MigrationPolicy {
         box.half.array() += island_clearance_m;
         found.clear();
         grid_.find(box, found);
-        for (std::uint32_t other : found)
+        for (std::uint32_t other : found) {
+          if (rests(member) && rests(other)) continue;
           if (const std::size_t near = cluster_of(s, other); island.insert(near).second)
             open.push_back(near);
+        }
       }
     }
     return island;
   }
 
-  void send_islands_home(const MigrationSituation& s,
-                         std::map<RegionId, std::vector<BodyId>>& leaving) {
-    const Rectangle& home = s.map.area(s.self);
-    const auto is_away = [&](std::uint32_t i) {
-      const WorldPosition& at = s.hosted[i].position;
-      return home.distance(at.x, at.z) > (s.hosted[i].asleep ? 0.0 : home_hysteresis_m);
-    };
-    std::set<std::size_t> judged;
+  bool is_away(const MigrationSituation& s, std::uint32_t body) const {
+    const WorldPosition& at = s.hosted[body].position;
+    return s.map.area(s.self).distance(at.x, at.z) >
+           (rests(body) ? resting_hysteresis_m : home_hysteresis_m);
+  }
+
+  /// Whether the body alone would let its island leave.
+  bool may_leave(const MigrationSituation& s, std::uint32_t i) const {
+    const HostedBody& body = s.hosted[i];
+    // Who goes home may be met there at once, and fetched back.
+    return is_away(s, i) && !contested_[i] && s.now - body.changed_owner >= long_stay_ticks &&
+           (!rests(i) || !unrest_.contains(body.id));
+  }
+
+  void send_home(const MigrationSituation& s, Leaving& leaving) {
+    std::vector<bool> judged;
     for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
-      if (!is_away(i) || judged.contains(cluster_of(s, i))) continue;
+      if (!is_away(s, i)) continue;
+      const std::size_t own = cluster_of(s, i);
+      judged.resize(clusters_.size(), false);
+      if (judged[own]) continue;
       const std::set<std::size_t> island = island_of(s, i);
-      judged.insert(island.begin(), island.end());
+      judged.resize(clusters_.size(), false);
       std::map<RegionId, std::size_t> holds;
       bool leaves = true;
       for (std::size_t number : island) {
+        judged[number] = true;
         leaves = leaves && !clusters_[number].sent;
         for (std::uint32_t member : clusters_[number].members) {
           const HostedBody& body = s.hosted[member];
-          // Who moves may be met again as soon as it is home, and would be back at once.
-          const std::int64_t stay = body.asleep ? stay_ticks : 2 * stay_ticks;
-          leaves = leaves && is_away(member) && !contested_[member] &&
-                   s.now - body.changed_owner >= stay;
+          leaves = leaves && may_leave(s, member);
           ++holds[s.map.region_at(body.position.x, body.position.z)];
         }
       }
@@ -244,6 +255,7 @@ class AdaptivePolicy final : public MigrationPolicy {
                           box.centre.x() + box.half.x() < home.max_x &&
                           box.centre.z() - box.half.z() >= home.min_z &&
                           box.centre.z() + box.half.z() < home.max_z;
+      if (inside && visitors_[i].empty()) continue;
       std::set<RegionId> to(visitors_[i].begin(), visitors_[i].end());
       if (!inside) {
         const double reach = std::max(box.half.x(), box.half.z());
@@ -258,21 +270,24 @@ class AdaptivePolicy final : public MigrationPolicy {
       }
       to.erase(s.self);
       if (!to.empty())
-        decision.projected.push_back(
-            {s.hosted[i].id, box, s.hosted[i].asleep, false, 0, {to.begin(), to.end()}});
+        decision.projected.push_back({s.hosted[i].id, box, s.hosted[i].asleep, rests(i),
+                                      expected_mps_[i], {to.begin(), to.end()}});
     }
   }
 
   double reach_s_;
   std::vector<AuraBox> boxes_;
-  std::vector<double> speeds_;  ///< Of each body by itself (m/s); negative: it rests.
+  std::vector<double> moving_mps_;    ///< Of each body by itself; negative: it lies still.
+  std::vector<bool> disturbed_;       ///< Meets something on its way.
+  std::vector<double> expected_mps_;  ///< With the blows that it may take; 0: it rests.
   OverlapGrid grid_;
+  BlowForecast forecast_;
   std::vector<std::size_t> cluster_;
   std::vector<Cluster> clusters_;
   std::vector<bool> contested_;
   std::vector<std::vector<RegionId>> visitors_;
-  std::unordered_map<BodyId, std::uint32_t> indices_;
-  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> followers_;
+  std::map<std::uint32_t, std::vector<std::uint32_t>> followers_;
+  std::unordered_map<BodyId, Tick> unrest_;  ///< When each body last moved or expected a blow.
 };
 
 }  // namespace

@@ -1,7 +1,9 @@
 // What changes its server and why: one small interface, one implementation for each mode.
 #pragma once
 
+#include <algorithm>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,8 +30,13 @@ struct HostedBody {
   WorldPosition position;
   Eigen::Vector3d half_extents{0, 0, 0};  ///< Of the box around the body as it stands (m).
   double bounding_radius_m = 0;           ///< R_o
+  Eigen::Vector3d velocity_mps{0, 0, 0};  ///< Of its centre.
   double surface_speed_mps = 0;           ///< Fastest that any point of it moves.
+  bool round = false;                     ///< A sphere: it rolls where it is going.
+  bool near_ground = false;               ///< A plane is within what it can reach in flight.
+  bool near_geometry = false;             ///< So is other immovable geometry.
   double mass_kg = 1;
+  double restitution = 0;  ///< 0 … 1
   bool asleep = false;
   /// For how many ticks it has been slower than still_speed_mps, at most still_ticks_max. Bullet
   /// wakes a whole heap when one body of it is touched; that alone makes nothing move.
@@ -51,6 +58,7 @@ struct RemoteAura {
   bool asleep = false;
   /// It rests and expects no blow (adaptive).
   bool resting = false;
+  bool left_its_place = false;  ///< It is not any more where its owner last said that it rests.
   double speed_mps = 0;  ///< The fastest that it may soon move (adaptive).
   double mass_kg = 1;
 };
@@ -84,6 +92,14 @@ struct MigrationSituation {
   /// Who touches whom; null: nobody is asked (naive, paper, some tests).
   const ContactSource* contacts = nullptr;
 };
+
+/// Index of the body in `MigrationSituation::hosted`, if it is hosted here.
+inline std::optional<std::uint32_t> index_of(std::span<const HostedBody> hosted, BodyId id) {
+  const auto at = std::lower_bound(hosted.begin(), hosted.end(), id,
+                                   [](const HostedBody& b, BodyId key) { return b.id < key; });
+  if (at == hosted.end() || at->id != id) return {};
+  return static_cast<std::uint32_t>(at - hosted.begin());
+}
 
 /// A group that goes to one server together.
 struct Migration {
@@ -139,8 +155,13 @@ std::unique_ptr<MigrationPolicy> make_policy(MigrationMode mode, const AuraToler
 inline constexpr double naive_hysteresis_m = 0.05;
 /// How far a cluster's nearest member must be outside its host's region before it goes home (m).
 inline constexpr double home_hysteresis_m = 0.5;
+/// How far outside its host's region a resting body must be before it goes home by itself (m).
+inline constexpr double resting_hysteresis_m = 0.1;
 /// Half a second: at most two changes of owner in any second. Where a body may be fetched back at
 /// any moment (auras), what moves waits twice as long before it goes home.
 inline constexpr std::int64_t stay_ticks = 32;
+/// The same for whoever may be fetched back at any moment: a second and a bit, so that a body that
+/// goes home, is fetched and goes home again has changed its owner twice in a second.
+inline constexpr std::int64_t long_stay_ticks = 64;
 
 }  // namespace aureole

@@ -18,6 +18,7 @@ void add_region(CLI::App& app, int& exit_code);
 void add_gateway(CLI::App& app, int& exit_code);
 void add_status(CLI::App& app, int& exit_code);
 void add_bench(CLI::App& app, int& exit_code);
+void add_simulate(CLI::App& app, int& exit_code);
 
 inline constexpr int exit_ok = 0;
 inline constexpr int exit_failed = 1;

@@ -10,6 +10,7 @@
 
 #include "server/base/ids.h"
 #include "server/physics/body.h"
+#include "server/physics/contact_graph.h"
 
 namespace aureole {
 
@@ -23,7 +24,7 @@ struct PhysicsSettings {
 };
 
 struct RayHit {
-  ContactPartner what;
+  ContactPartner what;  ///< A body, a stand-in or static geometry.
   WorldPosition point;
   Eigen::Vector3f normal;
   float fraction;  ///< 0 … 1 of the ray
@@ -36,6 +37,13 @@ struct PhysicsStatistics {
   std::size_t islands = 0;    ///< Groups of bodies that were solved together and are awake.
 };
 
+/// Whether those who touched what leaves or changes are woken.
+enum class Wake : std::uint8_t { touching, nobody };
+
+/// Besides bodies a world may hold *stand-ins*: immovable copies of resting bodies that another
+/// server owns, on which bodies can lean. A stand-in is no body: ids(), size(), contains(), the
+/// state hash and everything else here that speaks of bodies leaves it out unless it says so.
+///
 /// Everything inside one world is repeatable: the same calls in the same order give the same bits.
 /// Bullet keeps process-wide state: use all worlds of a process from one thread at a time.
 /// Ids that are unknown, doubled or already present are programmers' mistakes (AUREOLE_CHECK).
@@ -54,20 +62,52 @@ class PhysicsWorld {
   PhysicsWorld scratch(std::size_t expected_bodies = 64) const;
 
   /// Adds bodies in the order of their ids, whatever their order in `bodies`. The states must be
-  /// sane. An upright body's angular velocity becomes zero.
+  /// sane. An upright body's angular velocity becomes zero. A stand-in of the same id becomes the
+  /// body, and nobody is woken; if none of its points is more than a millimetre from where the body
+  /// comes, the contacts that others have with it are kept with their impulses.
   void add(std::span<const NewBody> bodies);
-  /// Removes bodies with their pairs in one pass and wakes what touched them.
-  void remove(std::span<const BodyId> ids);
+  /// Looks at the pairs of bodies that came asleep, which a step would not do before they wake:
+  /// contact_graph() then knows what they touch.
+  void find_contacts(std::span<const BodyId> sleepers);
+  /// Removes bodies with their pairs in one pass.
+  void remove(std::span<const BodyId> ids, Wake wake = Wake::touching);
 
-  /// Gives the pairs among `group` (and with the ground) the contacts they had in the world they
-  /// come from, sleeping or not. Call after add(); a pair that no longer overlaps or that is not
-  /// all here is skipped. Contacts from outside must have passed is_sane().
+  /// Puts immovable copies where `bodies` says; one that is here already is moved there. Their
+  /// velocities and activation do not matter: a stand-in stands still and sleeps. Nobody is woken.
+  /// They collide with bodies only, not with static geometry, obstacles or each other. Contacts
+  /// with bodies exist at once, without impulses; install_contacts() brings those.
+  void add_stand_ins(std::span<const NewBody> bodies);
+  void remove_stand_ins(std::span<const BodyId> ids, Wake wake);
+  /// Bodies of this world stand still from now on, where they are, with the contacts (impulses
+  /// included) that they have with those that stay bodies. Nobody is woken.
+  void turn_into_stand_ins(std::span<const BodyId> ids);
+  /// Ascending. Valid until the next call that adds or removes stand-ins or bodies.
+  std::span<const BodyId> stand_in_ids() const;
+  bool is_stand_in(BodyId id) const;
+  /// Its prototype and pose, asleep and without velocity.
+  NewBody stand_in(BodyId id) const;
+  /// Appends what presses on stand-ins after the last step, for each stand-in and each *awake* body
+  /// that share contact points; what is appended is sorted by (stand_in, body).
+  void stand_in_loads(std::vector<StandInLoad>& out) const;
+
+  /// Gives pairs of bodies, stand-ins and static geometry the contacts they had in the world they
+  /// come from, sleeping or not, instead of those they have. Call after add(); a pair that no
+  /// longer overlaps, that is not all here or that nothing can move is skipped. Contacts from
+  /// outside must have passed is_sane().
   void install_contacts(std::span<const ContactManifold> contacts);
   /// Contacts among the bodies of `group` and between them and static geometry; sorted by (a, b,
   /// ordinal), a being the smaller id whichever world they come from.
   std::vector<ContactManifold> contacts_within(std::span<const BodyId> group) const;
-  /// Bodies that share at least one contact point with `id`; sorted.
+  /// The same and those between `group` and bodies or stand-ins outside it; if the one outside has
+  /// the smaller id, it is a. `group` may name stand-ins.
+  std::vector<ContactManifold> contacts_around(std::span<const BodyId> group) const;
+  /// Bodies and stand-ins that share at least one contact point with `id` (a body or a stand-in);
+  /// sorted. For one question; who asks about many takes contact_graph().
   std::vector<BodyId> touching(BodyId id) const;
+  /// Who touches whom, bodies and stand-ins, the sleeping ones included. Built when it is first
+  /// asked for after a change (measured: 0.04 ms for 300 bodies in a heap, 1.5 ms for 5,000), valid
+  /// until the next.
+  const ContactGraph& contact_graph() const;
   /// True if something carries the body: a contact whose normal points up by more than `min_up`.
   bool is_supported(BodyId id, float min_up = 0.6f) const;
 
@@ -96,7 +136,8 @@ class PhysicsWorld {
   void apply_force(BodyId id, const Eigen::Vector3f& force);
   void wake(BodyId id);
 
-  /// Nearest hit on a body or static geometry, `ignore` left out. A plane is met from above only.
+  /// Nearest hit on a body, a stand-in or static geometry, `ignore` left out (a body or a
+  /// stand-in). A plane is met from above only.
   std::optional<RayHit> raycast(const WorldPosition& from, const WorldPosition& to,
                                 std::optional<BodyId> ignore = {}) const;
   /// Bodies whose bounding box touches the sphere; sorted.

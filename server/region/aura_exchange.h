@@ -1,6 +1,7 @@
 // Auras between servers: ours told to whom they concern, theirs kept as they were told.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <set>
@@ -8,12 +9,38 @@
 #include <vector>
 
 #include "protocol/frame.h"
+#include "protocol/quantise.h"
 #include "server/aura/migration_policy.h"
 #include "server/base/ids.h"
 #include "server/base/result.h"
 #include "server/base/tick.h"
+#include "server/physics/body.h"
 
 namespace aureole {
+
+/// What the exchange asks of whoever hosts the bodies.
+class AuraBodies {
+ public:
+  virtual ~AuraBodies() = default;
+  virtual double mass_kg(BodyId id) const = 0;
+  /// Exact pose and prototype of a hosted body.
+  virtual NewBody resting_body(BodyId id) const = 0;
+  /// Whether a body that is not hosted any more was handed to another server.
+  virtual bool was_handed_over(BodyId id) const = 0;
+};
+
+/// What others said of their resting bodies since the last take_in(), in the order it was said.
+struct RestingNews {
+  enum class Kind : std::uint8_t {
+    rests,        ///< A body lies as `body` says.
+    gone,         ///< It is not projected to us any more.
+    handed_over,  ///< The same, and another server will project it.
+    told_all,     ///< The first word over a new link: what has not been told again is gone.
+  };
+  Kind kind{};
+  RegionId from;
+  NewBody body;  ///< told_all: nothing of it; gone, handed_over: only the id.
+};
 
 /// An aura is sent when it is new or has changed and withdrawn when it concerns the receiver no
 /// longer; one that stays as it is costs nothing (section 3.2 of the paper). When a link ends, all
@@ -24,12 +51,14 @@ class AuraExchange {
   void link_down(RegionId peer);
 
   /// Checks a FrameType::auras payload and remembers what it says until take_in(), in room that
-  /// does not grow with the number of messages; nothing of a bad one is taken. Returns the sender's
-  /// tick.
-  Result<Tick> receive(RegionId from, std::span<const std::byte> payload);
+  /// does not grow with the number of messages; nothing of a bad one is taken. `prototypes`: how
+  /// many there are. Returns the sender's tick.
+  Result<Tick> receive(RegionId from, std::span<const std::byte> payload, std::size_t prototypes);
   /// From now on what has arrived counts. Returns what others asked us to hand over, ascending by
   /// body.
   std::vector<HandoverRequest> take_in();
+  /// News of resting bodies; the caller's until the next call.
+  std::vector<RestingNews> take_resting_news();
   /// What others project to us now, ascending by body; one entry a body: of two servers that both
   /// claim it the lower number's.
   std::span<const RemoteAura> remote() const { return remote_; }
@@ -37,7 +66,7 @@ class AuraExchange {
   bool has_changed() const { return changed_; }
 
   /// Prepares this tick's frames from what the policy decided.
-  void announce(Tick now, const MigrationDecision& decision);
+  void announce(Tick now, const MigrationDecision& decision, const AuraBodies& bodies);
   /// The frame for one linked peer, or nothing if there is nothing to say of auras.
   SharedBytes take_frame(RegionId peer);
   /// A message without auras: that we have stepped. In each step every peer hears one or the other,
@@ -46,29 +75,43 @@ class AuraExchange {
 
   /// Auras in one message at most; far more than a boundary can hold.
   static constexpr std::size_t max_auras = 65'536;
+  /// A resting body that creeps is told anew when it is this far from where it was told (m, rad).
+  static constexpr double creep_m = 0.001;
+  static constexpr double creep_rad = 0.003;
+  /// Farther from where it rested than this, a body that moves is not there any more (m).
+  static constexpr double left_m = 0.02;
 
  private:
   /// As it travels: equal bytes need not be sent again.
   struct Sent {
-    std::array<std::uint8_t, 9> position{};
+    QuantisedPosition position{};
     std::array<std::uint16_t, 3> half_extents{};
-    bool asleep = false;
+    std::uint8_t flags = 0;
+    std::uint16_t speed = 0;
     friend bool operator==(const Sent&, const Sent&) = default;
   };
-  struct Told {
-    std::vector<RemoteAura> auras;
-    std::vector<BodyId> removed;
-    std::vector<BodyId> pulls;
+  struct Projection {
+    Sent sent;
+    bool rested = false;     ///< Whether `position` and `orientation` were told.
+    WorldPosition position;  ///< Where it was last said to rest.
+    Eigen::Quaternionf orientation{Eigen::Quaternionf::Identity()};
   };
   struct Peer {
     bool up = false;
-    std::map<BodyId, Sent> projected;     ///< What the peer knows of us.
-    std::map<BodyId, RemoteAura> theirs;  ///< What we know of the peer.
-    std::vector<BodyId> pulls;            ///< Of the newest message, until take_in().
+    bool greeted = false;                     ///< Something was sent over this link.
+    bool heard = false;                       ///< Something was received over this link.
+    std::map<BodyId, Projection> projected;   ///< What the peer knows of us.
+    std::map<BodyId, RemoteAura> theirs;      ///< What we know of the peer.
+    std::vector<BodyId> pulls;                ///< Of the newest message, until take_in().
     SharedBytes frame;
   };
+  SharedBytes frame_for(Peer& peer, std::map<BodyId, Sent>&& wanted,
+                        const std::vector<std::uint64_t>& pulls, Tick now,
+                        const AuraBodies& bodies) const;
+
   std::map<RegionId, Peer> peers_;
   std::vector<RemoteAura> remote_;
+  std::vector<RestingNews> resting_news_;
   bool changed_ = true;
 };
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
+#include <set>
 
 #include "server/aura/migration_policy.h"
 #include "server/base/check.h"
@@ -49,6 +51,10 @@ void Hosting::spawn(std::span<const NewBody> bodies, std::uint32_t epoch) {
     // Another region may have handed a body of this name over: what was first stays.
     if (records_.emplace(body.id, Record{epoch, never_changed, moved_before(body.state)}).second) born.push_back(body);
   physics_.add(born);
+  std::vector<BodyId> sleepers;
+  for (const NewBody& body : born)
+    if (body.state.activation == Activation::asleep) sleepers.push_back(body.id);
+  physics_.find_contacts(sleepers);
   for (const NewBody& body : born) publisher_.body_gained(body.id, version(body.id));
   counts_.spawned += born.size();
 }
@@ -56,6 +62,7 @@ void Hosting::spawn(std::span<const NewBody> bodies, std::uint32_t epoch) {
 void Hosting::remove(std::span<const BodyId> ids) {
   if (ids.empty()) return;
   for (BodyId id : ids) {
+    removed_.push_back({id, version(id)});
     publisher_.body_removed(id, version(id));
     records_.erase(id);
   }
@@ -74,23 +81,81 @@ std::uint8_t Hosting::still_ticks(BodyId id, Tick now) const {
   return static_cast<std::uint8_t>(std::clamp<std::int64_t>(still, 0, still_ticks_max));
 }
 
-HandoffGroup Hosting::release(std::span<const BodyId> ids, Tick now) {
-  HandoffGroup group;
+namespace {
+
+bool is_member(const HandoffGroup& group, BodyId id) {
+  return std::binary_search(group.bodies.begin(), group.bodies.end(),
+                            HandoffGroup::Body{{id, {}, {}}, 0, 0},
+                            [](const auto& a, const auto& b) { return a.body.id < b.body.id; });
+}
+
+/// The side of the contact that is a body outside the group; none: there is none.
+BodyId outsider(const HandoffGroup& group, const ContactManifold& manifold) {
+  const auto* b = std::get_if<BodyId>(&manifold.b);
+  if (b == nullptr) return {};
+  if (!is_member(group, manifold.a)) return manifold.a;
+  return is_member(group, *b) ? BodyId{} : *b;
+}
+
+}  // namespace
+
+/// Adds what the group leans on; contacts with what moves on here are dropped.
+void Hosting::bring_neighbours(HandoffGroup& group, Tick now) const {
+  std::map<BodyId, NewBody> behind;
+  std::erase_if(group.contacts, [&](const ContactManifold& manifold) {
+    const BodyId id = outsider(group, manifold);
+    if (id == BodyId{}) return false;
+    if (physics_.is_stand_in(id)) {
+      behind.emplace(id, physics_.stand_in(id));
+    } else {
+      if (!lies_still(id, now)) return true;
+      behind.emplace(id, NewBody{id, physics_.prototype(id), physics_.state(id)});
+    }
+    return false;
+  });
+  for (const auto& [id, body] : behind) group.stand_ins.push_back(body);
+}
+
+/// Members that bodies of ours lean on.
+std::vector<BodyId> Hosting::holding_up(const HandoffGroup& group, Tick now) const {
+  std::set<BodyId> members;
+  for (const ContactManifold& manifold : group.contacts) {
+    const BodyId id = outsider(group, manifold);
+    if (id == BodyId{} || physics_.is_stand_in(id)) continue;
+    const BodyId member = id == manifold.a ? std::get<BodyId>(manifold.b) : manifold.a;
+    if (lies_still(member, now)) members.insert(member);
+  }
+  return {members.begin(), members.end()};
+}
+
+Hosting::Released Hosting::release(std::span<const BodyId> ids, Tick now, Cut cut) {
+  Released released;
+  HandoffGroup& group = released.group;
   group.tick = now;
-  group.contacts = physics_.contacts_within(ids);
-  std::erase_if(group.contacts, [](const auto& manifold) { return !may_travel(manifold); });
   for (BodyId id : ids)
-    group.bodies.push_back({{id, physics_.prototype(id), physics_.state(id)}, epoch(id),
-                            still_ticks(id, now)});
+    group.bodies.push_back(
+        {{id, physics_.prototype(id), physics_.state(id)}, epoch(id), still_ticks(id, now)});
   std::sort(group.bodies.begin(), group.bodies.end(),
             [](const auto& a, const auto& b) { return a.body.id < b.body.id; });
-  physics_.remove(ids);
+  group.contacts =
+      cut == Cut::at_rest ? physics_.contacts_around(ids) : physics_.contacts_within(ids);
+  std::erase_if(group.contacts, [](const auto& manifold) { return !may_travel(manifold); });
+  if (cut == Cut::at_rest) {
+    bring_neighbours(group, now);
+    released.left_behind = holding_up(group, now);
+  }
+  physics_.turn_into_stand_ins(released.left_behind);
+  std::vector<BodyId> gone;
+  for (const auto& b : group.bodies)
+    if (!std::binary_search(released.left_behind.begin(), released.left_behind.end(), b.body.id))
+      gone.push_back(b.body.id);
+  physics_.remove(gone);
   for (BodyId id : ids) {
     publisher_.body_lost(id);
     records_.erase(id);
   }
   counts_.migrations_out += ids.size();
-  return group;
+  return released;
 }
 
 std::vector<BodyId> Hosting::accept(const HandoffGroup& group, Tick now) {
@@ -116,14 +181,29 @@ std::vector<BodyId> Hosting::accept(const HandoffGroup& group, Tick now) {
 
   std::vector<ContactManifold> contacts;
   const auto is_taken = [&](BodyId id) { return std::binary_search(ids.begin(), ids.end(), id); };
+  const auto is_here = [&](BodyId id) { return physics_.contains(id) || physics_.is_stand_in(id); };
   for (const auto& manifold : group.contacts) {
     const auto* other = std::get_if<BodyId>(&manifold.b);
-    if (is_taken(manifold.a) && (other == nullptr || is_taken(*other)))
-      contacts.push_back(manifold);
+    const bool fits = other == nullptr
+                          ? is_taken(manifold.a)
+                          : is_here(manifold.a) && is_here(*other) &&
+                                (is_taken(manifold.a) || is_taken(*other));
+    if (fits) contacts.push_back(manifold);
   }
   physics_.install_contacts(contacts);
   counts_.migrations_in += ids.size();
   return ids;
+}
+
+void Hosting::claim(std::span<const HandoffGroup::Body> bodies, Tick now) {
+  std::vector<NewBody> claimed;
+  for (const auto& body : bodies) {
+    claimed.push_back(body.body);
+    records_.emplace(body.body.id, Record{body.epoch, now, now - body.still_ticks});
+  }
+  physics_.add(claimed);
+  for (const NewBody& body : claimed) publisher_.body_gained(body.id, version(body.id));
+  counts_.recovered += claimed.size();
 }
 
 std::uint64_t Hosting::state_hash() const {

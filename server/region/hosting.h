@@ -6,8 +6,10 @@
 #include <optional>
 #include <span>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
+#include "server/aura/migration_policy.h"
 #include "server/base/ids.h"
 #include "server/base/tick.h"
 #include "server/physics/physics_world.h"
@@ -38,6 +40,7 @@ class Hosting {
   /// Call whenever the body is looked at: for how many ticks it has been still, see HostedBody.
   std::uint8_t note_stillness(BodyId id, double surface_speed_mps, Tick now);
   std::uint8_t still_ticks(BodyId id, Tick now) const;
+  bool lies_still(BodyId id, Tick now) const { return still_ticks(id, now) >= resting_ticks; }
 
   /// Bodies that come into the world here; those that are here already are left out. A name that is
   /// used again (a player who left comes back) starts in a later epoch than it ended, or stores
@@ -47,15 +50,29 @@ class Hosting {
   void remove(std::span<const BodyId> ids);
 
   /// Stops hosting the bodies and returns them with their contacts; avatars are the caller's
-  /// matter.
-  HandoffGroup release(std::span<const BodyId> ids, Tick now);
+  /// matter. With `cut`, what rests on either side of the cut goes on holding the other up: members
+  /// that lie still and touch bodies that stay are left in place as stand-ins (`left_behind`), and
+  /// the still bodies that they touch travel along as stand-ins.
+  enum class Cut { nowhere, at_rest };
+  struct Released {
+    HandoffGroup group;
+    std::vector<BodyId> left_behind;  ///< ascending
+  };
+  Released release(std::span<const BodyId> ids, Tick now, Cut cut);
   /// Hosts the group's bodies from now on, one epoch after its sender. Returns the ids taken:
   /// bodies that are held here already are counted as conflicts; of the two the later epoch stays.
+  /// The group's stand-ins must have been put up before.
   std::vector<BodyId> accept(const HandoffGroup& group, Tick now);
+  /// Hosts bodies that a recovery has claimed, under the very epochs that they come with. None may
+  /// be here already.
+  void claim(std::span<const HandoffGroup::Body> bodies, Tick now);
+  /// What was removed on purpose since the last call.
+  std::vector<RemovedBody> take_removed() { return std::exchange(removed_, {}); }
 
   struct Counts {
     std::uint64_t spawned = 0, removed = 0, migrations_in = 0, migrations_out = 0;
     std::uint64_t version_conflicts = 0;
+    std::uint64_t recovered = 0;
   };
   const Counts& counts() const { return counts_; }
   std::uint64_t state_hash() const;
@@ -66,6 +83,9 @@ class Hosting {
     Tick changed_owner;
     std::optional<Tick> moved;  ///< When it was last seen to move.
   };
+  void bring_neighbours(HandoffGroup& group, Tick now) const;
+  std::vector<BodyId> holding_up(const HandoffGroup& group, Tick now) const;
+
   RegionId self_;
   Incarnation incarnation_;
   std::vector<BodyDefinition> definitions_;
@@ -74,6 +94,7 @@ class Hosting {
   PhysicsWorld physics_;
   ReplicaPublisher publisher_;
   std::unordered_map<BodyId, Record> records_;
+  std::vector<RemovedBody> removed_;
   Counts counts_;
 };
 

@@ -16,6 +16,8 @@ PartitionMap partition_of(const WorldDefinition& world) {
 
 /// Messages of one kind that wait for the next step; far more than honest peers send in one.
 constexpr std::size_t queue_max = 65'536;
+/// The same from gateways while this region recovers.
+constexpr std::size_t frozen_commands_max = 4096;
 /// The same for whole messages. They come again from the journal.
 constexpr std::size_t waiting_max = 4096;
 
@@ -29,6 +31,8 @@ RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation 
       policy_(make_policy(world.mode, world.tolerances)),
       hosting_(world, self, incarnation),
       players_(world, map_, self, hosting_),
+      stand_ins_(hosting_.physics()),
+      nearby_geometry_(hosting_.statics()),
       injected_(world.injectors.size(), 0),
       tolerances_(world.tolerances, self, world.regions.size()) {
   AUREOLE_CHECK(self.value < world.regions.size(), "a core is one of its world's regions");
@@ -39,6 +43,11 @@ RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation 
 void RegionCore::peer_up(PeerId id, Incarnation incarnation) {
   Peer& peer = peers_[id];
   peer.up = true;
+  peer.met = true;
+  peer.incarnation = incarnation;
+  peer.recovering = false;
+  peer.asked_round = 0;
+  if (recovery_) recovery_->peer_up(id, incarnation);
   if (id.is_region()) {
     peer.journal.link_up(incarnation);
     aura_exchange_.link_up(id.as_region());
@@ -52,6 +61,7 @@ void RegionCore::peer_down(PeerId id) {
   const auto it = peers_.find(id);
   if (it == peers_.end()) return;
   it->second.up = false;
+  if (recovery_) recovery_->peer_down(id);
   if (id.is_region()) {
     aura_exchange_.link_down(id.as_region());
     tolerances_.link_down(id.as_region());
@@ -70,6 +80,10 @@ Status RegionCore::receive(PeerId from, const Frame& frame) {
   if (frame.type == FrameType::commands) {
     auto commands = decode_commands(frame.payload);
     if (!commands) return commands.error();
+    // While nothing is simulated gateways would fill the queue; what they do not see applied they
+    // send again.
+    const bool full = arrived_commands_.size() + commands->size() > frozen_commands_max;
+    if (recovery_ && !from.is_region() && full) return Ok{};
     if (arrived_commands_.size() + commands->size() > queue_max)
       return Error{"too many commands at once"};
     if (from.is_region()) {
@@ -84,14 +98,16 @@ Status RegionCore::receive(PeerId from, const Frame& frame) {
     arrived_commands_.insert(arrived_commands_.end(), commands->begin(), commands->end());
     return Ok{};
   }
+  if (frame.type == FrameType::recovery_query || frame.type == FrameType::recovery_answer)
+    return receive_recovery(from, peer, frame);
   if (!from.is_region())
-    return Error::format("a gateway sent a message of type {}; expected commands",
+    return Error::format("a gateway sent a message of type {}; expected commands or a recovery answer",
                          static_cast<int>(frame.type));
   switch (frame.type) {
     case FrameType::acknowledge: {
       const auto* message = verified<wire::Acknowledge>(frame.payload);
       if (message == nullptr) return Error{"an acknowledgement is not a valid message"};
-      return peer.journal.acknowledge(message->sequence());
+      return peer.journal.acknowledge(message->sequence(), message->durable());
     }
     case FrameType::handoff: {
       auto group =
@@ -100,7 +116,10 @@ Status RegionCore::receive(PeerId from, const Frame& frame) {
       if (arrived_groups_.size() >= waiting_max) return Error{"too many handoffs at once"};
       auto arrival = peer.journal.arrive(frame.sequence);
       if (!arrival) return arrival.error();
-      if (*arrival == Journal::Arrival::fresh)
+      if (*arrival == Journal::Arrival::repeated) return Ok{};
+      if (recovery_)
+        recovery_->hear_group(std::move(*group));
+      else
         arrived_groups_.push_back({from.as_region(), std::move(*group)});
       return Ok{};
     }
@@ -115,7 +134,8 @@ Status RegionCore::receive(PeerId from, const Frame& frame) {
       return Ok{};
     }
     case FrameType::auras: {
-      auto told = aura_exchange_.receive(from.as_region(), frame.payload);
+      auto told = aura_exchange_.receive(from.as_region(), frame.payload,
+                                         hosting_.definitions().size());
       if (!told) return told.error();
       tolerances_.heard(from.as_region(), *told);
       return Ok{};
@@ -136,12 +156,6 @@ void RegionCore::link_measured(RegionId peer, double latency_ms) {
   tolerances_.link_measured(peer, latency_ms);
 }
 
-Status RegionCore::recover(std::span<const std::byte>) {
-  return Ok{};
-}
-
-void RegionCore::snapshot_written(Tick) {}
-
 bool RegionCore::has_room(std::size_t more) const {
   std::size_t known = hosting_.physics().size() + more;
   for (const auto& [id, peer] : peers_) known += peer.bodies;
@@ -150,7 +164,15 @@ bool RegionCore::has_room(std::size_t more) const {
 
 bool RegionCore::is_up(RegionId region) const {
   const auto it = peers_.find(PeerId::region(region));
-  return it != peers_.end() && it->second.up;
+  return it != peers_.end() && it->second.up && !it->second.recovering;
+}
+
+/// Those that have been there and simulate nothing now.
+std::vector<RegionId> RegionCore::closed_regions() const {
+  std::vector<RegionId> closed;
+  for (const auto& [id, peer] : peers_)
+    if (id.is_region() && peer.met && (!peer.up || peer.recovering)) closed.push_back(id.as_region());
+  return closed;
 }
 
 std::uint64_t RegionCore::state_hash() const {
@@ -175,6 +197,9 @@ RegionStatistics RegionCore::statistics() const {
   all.migrations_in = counts.migrations_in;
   all.migrations_out = counts.migrations_out;
   all.version_conflicts = counts.version_conflicts;
+  all.stand_ins = stand_ins_.size();
+  all.struck_stand_ins = stand_in_watch_.struck();
+  all.recovered = counts.recovered;
   all.tolerance_events = tolerances_.left_count();
   for (const auto& [id, peer] : peers_) all.unacknowledged += peer.journal.unacknowledged().size();
   return all;

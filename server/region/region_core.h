@@ -8,7 +8,9 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <set>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "protocol/frame.h"
@@ -22,7 +24,12 @@
 #include "server/region/handoff/journal.h"
 #include "server/region/hosting.h"
 #include "server/region/players/effects.h"
+#include "server/region/nearby_geometry.h"
 #include "server/region/players/players.h"
+#include "server/region/stand_ins/stand_in_watch.h"
+#include "server/region/stand_ins/stand_ins.h"
+#include "server/region/recovery/recovery.h"
+#include "server/region/recovery/traces.h"
 #include "server/region/tolerances.h"
 #include "server/worlds/world.h"
 
@@ -58,6 +65,10 @@ struct RegionStatistics {
   /// interactions that were missed.
   std::uint64_t struck_stand_ins = 0;
   std::uint64_t tolerance_events = 0;  ///< Times that a tolerance was left.
+  std::uint64_t recovered = 0;         ///< Bodies claimed after the death of an earlier start.
+  /// Bodies that should have been claimed, but of which nobody knew a state; 0 unless disks and
+  /// gateways were lost together.
+  std::uint64_t unrecoverable = 0;
 };
 
 class RegionCore {
@@ -79,17 +90,25 @@ class RegionCore {
   /// What is outside its tolerance now, the worst of each kind.
   std::vector<ToleranceEvent> outside_tolerances() const { return tolerances_.outside(); }
 
+  /// From now on what has been taken counts as durable only once it is in a snapshot that has been
+  /// written. Without snapshots it counts as durable at once, and is lost if this process dies.
+  void enable_snapshots() { snapshots_ = true; }
+  /// The state to be written after the last step to where it survives this process; null if none is
+  /// due. What has been written is told by snapshot_written().
+  SharedBytes snapshot_due() const { return snapshot_; }
+  /// The snapshot of tick `of` is where it survives.
+  void snapshot_written(Tick of);
+  static constexpr std::int64_t snapshot_interval_ticks = 6;
+
   /// Makes this core the successor of an earlier start of the same region that died. `snapshot` is
   /// what the earlier one had written last; empty if it is gone. Call before the first step: the
   /// core then hosts nothing until everyone who might hold something newer has said what they
-  /// hold. An Error (the snapshot is not one of this region and world) leaves it without snapshot.
+  /// hold. An Error (the snapshot is not one of this region and world, or is damaged) says why it
+  /// counts as none; the core recovers from what others know.
   Status recover(std::span<const std::byte> snapshot);
-  bool recovering() const { return recovering_; }
-  /// The state to be written after the last step to where it survives this process; null if none is
-  /// due. What has been written is told by snapshot_written().
-  std::shared_ptr<const Bytes> snapshot_due() const { return snapshot_; }
-  void snapshot_written(Tick of);
-  static constexpr std::int64_t snapshot_interval_ticks = 6;
+  bool recovering() const { return recovery_ != nullptr; }
+  /// Who has not answered yet, for people; empty unless recovering.
+  std::vector<std::string> recovery_waits_for() const;
 
   /// What the last step wants sent, in order. Valid until the next step.
   std::span<const Outgoing> outbox() const { return outbox_; }
@@ -100,6 +119,7 @@ class RegionCore {
   const Hosting& hosting() const { return hosting_; }
   const Journal& journal(RegionId peer) const { return peers_.at(PeerId::region(peer)).journal; }
   const PartitionMap& partition() const { return map_; }
+  const StandInWatch& stand_in_watch() const { return stand_in_watch_; }
 
   /// Work per step to bring late groups to the present: bodies × steps. What is above it waits.
   static constexpr std::int64_t catch_up_budget = 4000;
@@ -115,6 +135,10 @@ class RegionCore {
     bool wants_whole_state = false;  ///< Gateways, after link up.
     Journal journal;                 ///< Regions.
     std::uint32_t bodies = 0;        ///< Last heard.
+    Incarnation incarnation;
+    bool met = false;              ///< Has been up once.
+    bool recovering = false;       ///< Simulates nothing yet; it has asked us what we know.
+    std::uint64_t asked_round = 0;  ///< Of a recovery query that waits for its answer; 0: none.
   };
   struct Arrived {
     RegionId from;
@@ -129,6 +153,9 @@ class RegionCore {
   void apply_blasts(Tick now);
   void remove_strays(Tick now);
   void migrate(Tick now);
+  std::vector<HostedBody> hosted_bodies(Tick now);
+  void watch_stand_ins(Tick now);
+  Hosting::Cut cut() const;
   bool nothing_stirs(Tick now) const;
   void emigrate(std::span<const BodyId> bodies, RegionId to, Tick now);
   void schedule_blast(const BlastEffect& blast, Tick now);
@@ -138,6 +165,20 @@ class RegionCore {
   std::vector<VersionedBody> passive_copies() const;
   bool has_room(std::size_t more) const;
   bool is_up(RegionId region) const;
+  std::vector<RegionId> closed_regions() const;
+  SharedBytes status_frame(Tick now, const ShellMeasurements& measured) const;
+  SharedBytes acknowledgement(Peer& peer);
+
+  // region/recovery/: snapshots, answers to those who recover, and our own recovery.
+  SnapshotOwner snapshot_owner() const;
+  void make_snapshot(Tick now);
+  Status receive_recovery(PeerId from, Peer& peer, const Frame& frame);
+  void note_traces(Tick now);
+  RecoveryAnswer answer_to(const Peer& peer) const;
+  bool stays_frozen(Tick now, const ShellMeasurements& measured);
+  void end_recovery(Tick now);
+  void send_again(const Snapshot& snapshot, Tick now);
+  void begin_anew(const std::set<BodyId>& known);
 
   const WorldDefinition& world_;
   RegionId self_;
@@ -149,12 +190,16 @@ class RegionCore {
   std::map<PeerId, Peer> peers_;
 
   AuraExchange aura_exchange_;
+  StandIns stand_ins_;
+  StandInWatch stand_in_watch_;
+  std::set<BodyId> handed_over_;  ///< Since auras were announced last.
   std::vector<HandoverRequest> handover_requests_;
   std::deque<Arrived> arrived_groups_;
   std::deque<std::pair<RegionId, EffectsMessage>> arrived_effects_;
   std::vector<PlayerCommand> arrived_commands_;
   std::deque<BlastEffect> blasts_;           ///< To come and recent, by tick.
   std::map<BodyId, Tick> pending_removals_;  ///< Of bodies that may be on their way here.
+  NearbyGeometry nearby_geometry_;
   PlayerOutput player_output_;
   std::vector<Outgoing> outbox_;
   std::vector<std::uint64_t> injected_;  ///< For each injector, how many it had made.
@@ -162,10 +207,20 @@ class RegionCore {
   Tick last_decision_{-decision_interval_ticks};
   std::uint64_t changes_at_decision_ = 0;
   bool started_ = false;
-  bool recovering_ = false;
-  std::shared_ptr<const Bytes> snapshot_;
+  bool snapshots_ = false;
+  SharedBytes snapshot_;
+  Tick last_snapshot_{-snapshot_interval_ticks};
+  /// What was taken of whom when snapshots were made that have not been written yet.
+  struct Unwritten {
+    Tick tick;
+    std::map<PeerId, std::pair<Incarnation, std::uint64_t>> taken;
+  };
+  std::deque<Unwritten> unwritten_;
+  Traces traces_;
+  std::unique_ptr<Recovery> recovery_;
+  std::set<BodyId> made_before_;  ///< Injected by an earlier start after its last snapshot.
   Tolerances tolerances_;
-  FastestBody fastest_;     ///< Of the last step.
+  FastestBody fastest_;  ///< Of the last step.
   RegionStatistics extra_;  ///< Only the counts that nobody else keeps.
 };
 

@@ -3,7 +3,9 @@
 #include <set>
 
 #include "protocol/wire.h"
+#include "server/aura/aura_size.h"
 #include "server/base/check.h"
+#include "server/region/closed_boundary.h"
 #include "server/region/handoff/catch_up.h"
 #include "server/region/region_core.h"
 #include "server/worlds/injector.h"
@@ -24,6 +26,37 @@ constexpr std::int64_t blast_ahead_ticks_max = 2048;
 /// more to catch up with than blasts; handoffs are not sent to it in the first place.
 constexpr std::size_t waiting_messages_max = 4096;
 
+/// What the policy may ask of contacts.
+class Touching final : public ContactSource {
+ public:
+  explicit Touching(const PhysicsWorld& physics) : physics_(physics) {}
+  void touching(BodyId body, std::vector<BodyId>& found) const override {
+    const auto all = physics_.contact_graph().touching(body);
+    found.insert(found.end(), all.begin(), all.end());
+  }
+
+ private:
+  const PhysicsWorld& physics_;
+};
+
+/// What the exchange tells of bodies.
+class ProjectedBodies final : public AuraBodies {
+ public:
+  ProjectedBodies(const Hosting& hosting, const std::set<BodyId>& handed_over)
+      : hosting_(hosting), handed_over_(handed_over) {}
+  double mass_kg(BodyId id) const override {
+    return double{hosting_.definitions()[hosting_.physics().prototype(id).value].mass_kg};
+  }
+  NewBody resting_body(BodyId id) const override {
+    return {id, hosting_.physics().prototype(id), hosting_.physics().state(id)};
+  }
+  bool was_handed_over(BodyId id) const override { return handed_over_.contains(id); }
+
+ private:
+  const Hosting& hosting_;
+  const std::set<BodyId>& handed_over_;
+};
+
 /// The n-th piece of `size` elements, empty past the end.
 template <class T>
 std::span<const T> piece(const std::vector<T>& all, std::size_t n, std::size_t size) {
@@ -36,13 +69,16 @@ std::span<const T> piece(const std::vector<T>& all, std::size_t n, std::size_t s
 void RegionCore::step(Tick now, const ShellMeasurements& measured) {
   AUREOLE_CHECK(!started_ || now > last_tick_, "time goes forwards");
   outbox_.clear();
+  if (recovery_ && stays_frozen(now, measured)) return;
   // A region that was held up leaves ticks out; its bodies are then where they were at the last
   // one, which is the present as far as arriving groups are concerned.
   take_in(now);
   spawn(now);
   apply_blasts(now);
   players_.drive(now, player_output_);
+  hold_back(hosting_.physics(), map_, closed_regions(), tick_s);
   hosting_.physics().step(tick_s);
+  watch_stand_ins(now);
   remove_strays(now);
   // Gateways hear of this step from the server that took it, also of bodies that leave now: their
   // new owner speaks of the next step first, and without this one they would be seen to falter.
@@ -50,10 +86,12 @@ void RegionCore::step(Tick now, const ShellMeasurements& measured) {
       hosting_.publisher().update(now, hosting_.physics(), players_.avatars());
   migrate(now);
   send_player_output();
+  note_traces(now);
   tolerances_.step(now, measured.last_frame_ms, fastest_);
   publish(now, update, measured);
   last_tick_ = now;
   started_ = true;
+  make_snapshot(now);
 }
 
 void RegionCore::take_in(Tick now) {
@@ -61,6 +99,8 @@ void RegionCore::take_in(Tick now) {
   take_in_effects(now);
   take_in_commands(now);
   handover_requests_ = aura_exchange_.take_in();
+  stand_ins_.take(aura_exchange_.take_resting_news(), now);
+  stand_ins_.tidy(aura_exchange_.remote(), now);
 }
 
 void RegionCore::take_in_groups(Tick now) {
@@ -84,7 +124,9 @@ void RegionCore::take_in_groups(Tick now) {
     extra_.catch_up_steps += static_cast<std::uint64_t>(steps);
     const std::vector<BlastEffect> recent(blasts_.begin(), blasts_.end());
     catch_up(group, {hosting_.definitions(), hosting_.physics(), present, recent, AvatarTuning{}});
+    stand_ins_.came_along(group.stand_ins, arrived.from, now);
     const std::vector<BodyId> taken = hosting_.accept(group, now);
+    stand_ins_.arrived(taken);
     std::set<std::uint16_t> gateways;
     for (const Avatar& avatar : group.avatars) gateways.insert(avatar.gateway);
     players_.accept(std::move(group.avatars), taken, now, has_room(1), player_output_);
@@ -122,6 +164,11 @@ void RegionCore::take_in_commands(Tick now) {
 }
 
 void RegionCore::schedule_blast(const BlastEffect& blast, Tick now) {
+  // A region that has recovered sends again what it had sent before.
+  const auto is_known = [&](const BlastEffect& b) {
+    return b.id == blast.id && b.position == blast.position;
+  };
+  if (std::any_of(blasts_.begin(), blasts_.end(), is_known)) return;
   BlastEffect timely = blast;
   if (timely.tick < now) {
     ++extra_.late_effects;
@@ -173,6 +220,7 @@ void RegionCore::spawn(Tick now) {
     for (std::uint64_t n = injected_[i]; n < made; ++n) {
       const InjectedBody body = injected_body(injector, n);
       if (map_.region_at(body.state.position.x, body.state.position.z) != self_) continue;
+      if (made_before_.contains(BodyId::injected(static_cast<std::uint16_t>(i), n))) continue;
       if (!has_room(born.size() + 1)) {
         ++extra_.refused_bodies;
         continue;
@@ -219,39 +267,68 @@ bool RegionCore::nothing_stirs(Tick now) const {
          c.spawned + c.removed + c.migrations_in + c.migrations_out == changes_at_decision_;
 }
 
-void RegionCore::migrate(Tick now) {
-  // Most of a world sleeps most of the time; what was decided then still holds.
-  if (nothing_stirs(now)) return;
+std::vector<HostedBody> RegionCore::hosted_bodies(Tick now) {
   std::map<BodyId, BodyId> leaders;
   for (const Avatar* avatar : players_.avatars())
     if (avatar->carried != BodyId{}) leaders[avatar->carried] = avatar->body();
 
   std::vector<HostedBody> hosted;
   const PhysicsWorld& physics = hosting_.physics();
+  hosted.reserve(physics.size());
   for (BodyId id : physics.ids()) {
     const auto leader = leaders.find(id);
     const BodyState state = physics.state(id);
     const PrototypeId prototype = physics.prototype(id);
+    const BodyDefinition& definition = hosting_.definitions()[prototype.value];
     HostedBody& body = hosted.emplace_back();
     body.id = id;
     body.position = state.position;
     body.half_extents = physics.half_extents(id).cast<double>();
     body.bounding_radius_m = hosting_.radius(prototype);
+    body.velocity_mps = state.linear_velocity.cast<double>();
     body.surface_speed_mps =
         state.linear_velocity.norm() + state.angular_velocity.norm() * hosting_.radius(prototype);
-    body.mass_kg = hosting_.definitions()[prototype.value].mass_kg;
+    body.mass_kg = definition.mass_kg;
+    body.restitution = definition.restitution;
+    body.round = std::holds_alternative<SphereShape>(definition.shape);
     body.asleep = state.activation == Activation::asleep;
     body.still_ticks = hosting_.note_stillness(id, body.surface_speed_mps, now);
+    body.pressed = stand_in_watch_.is_pressed(id, now);
+    if (body.still_ticks == 0) nearby_geometry_.look(body, reach_time_s(world_.tolerances));
     if (leader != leaders.end()) body.leader = leader->second;
     body.changed_owner = hosting_.changed_owner(id);
   }
+  return hosted;
+}
+
+void RegionCore::watch_stand_ins(Tick now) {
+  stand_in_watch_.look(
+      hosting_.physics(), now, [&](BodyId body) { return hosting_.lies_still(body, now); },
+      [&](BodyId stand_in) {
+        const PrototypeId prototype = hosting_.physics().stand_in(stand_in).prototype;
+        return double{hosting_.definitions()[prototype.value].mass_kg};
+      });
+}
+
+Hosting::Cut RegionCore::cut() const {
+  return world_.mode == MigrationMode::adaptive ? Hosting::Cut::at_rest : Hosting::Cut::nowhere;
+}
+
+void RegionCore::migrate(Tick now) {
+  // Most of a world sleeps most of the time; what was decided then still holds.
+  if (nothing_stirs(now)) return;
+  const std::vector<HostedBody> hosted = hosted_bodies(now);
   std::vector<bool> linked;
   for (std::size_t i = 0; i < map_.size(); ++i)
     linked.push_back(is_up(RegionId{static_cast<std::uint16_t>(i)}));
+  const Touching contacts(hosting_.physics());
   const MigrationDecision decision = policy_->decide(
-      {now, self_, map_, hosted, aura_exchange_.remote(), handover_requests_, linked});
+      {now, self_, map_, hosted, aura_exchange_.remote(), handover_requests_, linked, &contacts});
   handover_requests_.clear();
-  aura_exchange_.announce(now, decision);
+  for (const Migration& migration : decision.leaving)
+    handed_over_.insert(migration.bodies.begin(), migration.bodies.end());
+  aura_exchange_.announce(now, decision, ProjectedBodies(hosting_, handed_over_));
+  handed_over_.clear();
   const Hosting::Counts& c = hosting_.counts();
   changes_at_decision_ = c.spawned + c.removed + c.migrations_in + c.migrations_out;
   last_decision_ = now;
@@ -263,12 +340,19 @@ void RegionCore::migrate(Tick now) {
       rest = rest.subspan(count);
     }
   }
+  handed_over_.clear();
 }
 
 void RegionCore::emigrate(std::span<const BodyId> bodies, RegionId to, Tick now) {
-  HandoffGroup group = hosting_.release(bodies, now);
+  Hosting::Released released = hosting_.release(bodies, now, cut());
+  HandoffGroup& group = released.group;
   group.avatars = players_.release(bodies, to, now);
-  peers_.at(PeerId::region(to)).journal.append(FrameType::handoff, encode_handoff(group));
+  stand_ins_.left(released.left_behind, to, now);
+  handed_over_.insert(bodies.begin(), bodies.end());
+  Journal& journal = peers_.at(PeerId::region(to)).journal;
+  journal.append(FrameType::handoff, encode_handoff(group));
+  for (const auto& b : group.bodies)
+    traces_.remember({b.body.id, {b.epoch + 1, journal.peer(), to}, false}, now);
 }
 
 void RegionCore::send_player_output() {
@@ -302,7 +386,8 @@ std::vector<VersionedBody> RegionCore::passive_copies() const {
   std::vector<VersionedBody> copies;
   for (const auto& [id, peer] : peers_) {
     for (const Journal::Entry& entry : peer.journal.unacknowledged()) {
-      if (entry.type != FrameType::handoff) continue;
+      // What the receiver has taken it tells itself; it may have removed it since.
+      if (entry.type != FrameType::handoff || peer.journal.is_taken(entry)) continue;
       auto group =
           decode_handoff(entry.payload, hosting_.definitions().size(), hosting_.statics().size());
       AUREOLE_CHECK(group, "what was encoded here can be read back");
@@ -316,39 +401,50 @@ std::vector<VersionedBody> RegionCore::passive_copies() const {
   return copies;
 }
 
+SharedBytes RegionCore::status_frame(Tick now, const ShellMeasurements& measured) const {
+  const RegionStatistics s = statistics();
+  flatbuffers::FlatBufferBuilder builder(256);
+  std::vector<wire::ToleranceMark> outside;
+  for (const ToleranceEvent& e : tolerances_.outside())
+    outside.emplace_back(e.tick.value, e.value, e.limit, e.peer.value,
+                         static_cast<std::uint8_t>(e.kind));
+  const auto outside_at = builder.CreateVectorOfStructs(outside);
+  return std::make_shared<const Bytes>(finish_frame(
+      builder,
+      wire::CreateRegionStatus(builder, now.value, static_cast<std::uint32_t>(s.bodies),
+                               static_cast<std::uint32_t>(s.awake), measured.frame_us_p50,
+                               measured.frame_us_max, s.migrations_in, s.migrations_out,
+                               measured.overruns, measured.skipped_ticks, s.removed_strays,
+                               static_cast<std::uint32_t>(s.unacknowledged), recovering(),
+                               outside_at, s.tolerance_events),
+      FrameType::region_status));
+}
+
+/// Null if none is due.
+SharedBytes RegionCore::acknowledgement(Peer& peer) {
+  if (!snapshots_ && !recovery_) peer.journal.note_durable(peer.journal.taken());
+  if (!peer.journal.take_acknowledgement_due()) return nullptr;
+  flatbuffers::FlatBufferBuilder builder(64);
+  return std::make_shared<const Bytes>(finish_frame(
+      builder, wire::CreateAcknowledge(builder, peer.journal.taken(), peer.journal.durable()),
+      FrameType::acknowledge));
+}
+
 void RegionCore::publish(Tick now, const SharedBytes& update, const ShellMeasurements& measured) {
   const auto avatars = players_.avatars();
   SharedBytes status;
-  if (now.value % status_interval_ticks == 0) {
-    const RegionStatistics s = statistics();
-    flatbuffers::FlatBufferBuilder builder(256);
-    std::vector<wire::ToleranceMark> outside;
-    for (const ToleranceEvent& e : tolerances_.outside())
-      outside.emplace_back(e.tick.value, e.value, e.limit, e.peer.value,
-                           static_cast<std::uint8_t>(e.kind));
-    const auto outside_at = builder.CreateVectorOfStructs(outside);
-    status = std::make_shared<const Bytes>(finish_frame(
-        builder,
-        wire::CreateRegionStatus(builder, now.value, static_cast<std::uint32_t>(s.bodies),
-                                 static_cast<std::uint32_t>(s.awake), measured.frame_us_p50,
-                                 measured.frame_us_max, s.migrations_in, s.migrations_out,
-                                 measured.overruns, measured.skipped_ticks, s.removed_strays,
-                                 static_cast<std::uint32_t>(s.unacknowledged), outside_at,
-                                 s.tolerance_events),
-        FrameType::region_status));
-  }
+  if (now.value % status_interval_ticks == 0) status = status_frame(now, measured);
   for (auto& [id, peer] : peers_) {
     if (!peer.up) continue;
     if (id.is_region()) {
-      if (peer.journal.take_acknowledgement_due()) {
-        flatbuffers::FlatBufferBuilder builder(64);
-        const Bytes frame =
-            finish_frame(builder, wire::CreateAcknowledge(builder, peer.journal.taken()),
-                         FrameType::acknowledge);
-        outbox_.push_back({id, std::make_shared<const Bytes>(frame)});
-      }
+      if (SharedBytes frame = acknowledgement(peer)) outbox_.push_back({id, std::move(frame)});
       for (SharedBytes& frame : peer.journal.take_unsent())
         outbox_.push_back({id, std::move(frame)});
+      // Behind the groups: who recovers has them when it hears what we know.
+      if (peer.asked_round != 0)
+        for (SharedBytes& frame : encode_recovery_answer(answer_to(peer)))
+          outbox_.push_back({id, std::move(frame)});
+      peer.asked_round = 0;
       SharedBytes auras = aura_exchange_.take_frame(id.as_region());
       outbox_.push_back({id, auras ? std::move(auras) : AuraExchange::sign_of_life(now)});
     } else if (peer.wants_whole_state) {

@@ -52,6 +52,7 @@ Status ReplicaStore::take(RegionId from, std::span<const std::byte> payload) {
     return Error::format("region {} went back from tick {} to {}", from.value, region.newest->value,
                          tick.value);
   if (region.newest != tick) region.previous = std::exchange(region.newest, tick);
+  region.heard = tick;
 
   if (const auto* keys = update->keys())
     for (const wire::ReplicaKey* key : *keys)
@@ -188,8 +189,10 @@ void ReplicaStore::region_up(RegionId from) {
 void ReplicaStore::region_down(RegionId from) {
   Region& region = regions_[from];
   const OwnerCounts counts = region.counts;
+  const std::optional<Tick> heard = region.heard;
   region = Region{};
   region.counts = counts;
+  region.heard = heard;
   region.link = ++last_link_;
 }
 

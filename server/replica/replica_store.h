@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "protocol/frame.h"
@@ -94,6 +95,14 @@ class ReplicaStore {
     BodyState state;
   };
   std::optional<KeyState> key_state(BodyId id) const;
+  /// The newest states of all bodies, ascending: exact where the newest word was a key state, else
+  /// the newest pose with the velocity between the last poses.
+  std::vector<std::pair<BodyId, KeyState>> newest_states() const;
+  const Tombstones& tombstones() const { return tombstones_; }
+  /// Of all players whose avatars are in the store, ascending.
+  std::vector<ReplicaPlayer> players() const;
+  /// Newest tick ever heard of `from`, over whichever link.
+  std::optional<Tick> last_heard(RegionId from) const;
   std::optional<Version> version(BodyId id) const;
 
   std::size_t size() const;
@@ -117,6 +126,7 @@ class ReplicaStore {
     std::uint64_t link = 0;        ///< Tells this subscription from earlier ones.
     std::optional<Tick> newest;    ///< Of this subscription.
     std::optional<Tick> previous;  ///< The update before that.
+    std::optional<Tick> heard;     ///< Of this and earlier subscriptions.
     SlotTable slots;
     OwnerCounts counts;
   };

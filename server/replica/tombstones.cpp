@@ -1,6 +1,8 @@
 // Remembering removals, and forgetting the oldest.
 #include "server/replica/tombstones.h"
 
+#include <algorithm>
+
 namespace aureole {
 
 void Tombstones::remember(BodyId id, const Version& version) {
@@ -18,6 +20,13 @@ void Tombstones::remember(BodyId id, const Version& version) {
 bool Tombstones::covers(BodyId id, const Version& version) const {
   const auto grave = graves_.find(id);
   return grave != graves_.end() && version <= grave->second.version;
+}
+
+std::vector<std::pair<BodyId, Version>> Tombstones::all() const {
+  std::vector<std::pair<BodyId, Version>> all;
+  for (const auto& [id, grave] : graves_) all.emplace_back(id, grave.version);
+  std::sort(all.begin(), all.end());
+  return all;
 }
 
 }  // namespace aureole

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <deque>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 #include "server/base/ids.h"
 
@@ -21,6 +23,8 @@ class Tombstones {
   /// Whether a state of this version is of a body that has been removed since.
   bool covers(BodyId id, const Version& version) const;
   std::size_t size() const { return graves_.size(); }
+  /// Ascending by body.
+  std::vector<std::pair<BodyId, Version>> all() const;
 
  private:
   struct Grave {

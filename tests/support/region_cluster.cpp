@@ -5,6 +5,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "server/replica/recovery_answer.h"
+
 namespace aureole::testing {
 
 WorldDefinition flat_world(int columns, double width) {
@@ -70,28 +72,50 @@ RegionCluster::RegionCluster(const WorldDefinition& world, int delay_ticks)
   }
 }
 
+void RegionCluster::hand_over(int from, int to, const SharedBytes& bytes) {
+  const auto frame = decode_frame(*bytes);
+  if (!frame) throw std::logic_error(frame.error().message);
+  if (auto taken = core(to).receive(PeerId{static_cast<std::uint16_t>(from)}, *frame); !taken)
+    faults_.push_back(taken.error().message);
+}
+
 void RegionCluster::deliver() {
   for (auto& [ends, queue] : links_) {
+    if (silent_[ends] || !is_alive(ends.second)) continue;
     while (!queue.empty() && queue.front().arrives <= now_) {
-      const auto frame = decode_frame(*queue.front().frame);
+      const SharedBytes bytes = queue.front().frame;
       queue.pop_front();
-      if (!frame) throw std::logic_error(frame.error().message);
-      const auto from = PeerId{static_cast<std::uint16_t>(ends.first)};
-      if (auto taken = core(ends.second).receive(from, *frame); !taken)
-        faults_.push_back(taken.error().message);
+      hand_over(ends.first, ends.second, bytes);
     }
+  }
+  for (auto& [to, answers] : store_answers_) {
+    if (is_alive(to) && store_)
+      for (const SharedBytes& bytes : answers)
+        hand_over(PeerId::gateway(0).value, to, bytes);
+    answers.clear();
+  }
+}
+
+void RegionCluster::take_of_store(int from, const SharedBytes& bytes) {
+  if (!store_) return;
+  const auto frame = decode_frame(*bytes);
+  const RegionId region{static_cast<std::uint16_t>(from)};
+  if (frame->type == FrameType::replica_update) {
+    if (auto taken = store_->apply(region, frame->payload); !taken)
+      faults_.push_back(taken.error().message);
+  } else if (frame->type == FrameType::recovery_query) {
+    auto answer = answer_recovery(*store_, region, frame->payload);
+    if (!answer) return faults_.push_back(answer.error().message);
+    for (const SharedBytes& part : *answer) store_answers_[from].push_back(part);
   }
 }
 
 void RegionCluster::collect() {
   for (int i = 0; i < static_cast<int>(cores_.size()); ++i) {
+    if (!is_alive(i)) continue;
     for (const Outgoing& out : core(i).outbox()) {
       if (!out.to.is_region()) {
-        const auto frame = decode_frame(*out.frame);
-        if (frame->type != FrameType::replica_update) continue;
-        const RegionId from{static_cast<std::uint16_t>(i)};
-        if (auto taken = store_->apply(from, frame->payload); !taken)
-          faults_.push_back(taken.error().message);
+        take_of_store(i, out.frame);
         continue;
       }
       const auto ends = std::pair(i, static_cast<int>(out.to.value));
@@ -101,12 +125,25 @@ void RegionCluster::collect() {
   }
 }
 
+void RegionCluster::write_disks() {
+  if (!has_disks_) return;
+  for (int i = 0; i < static_cast<int>(cores_.size()); ++i) {
+    if (!is_alive(i) || disk_stopped_[i]) continue;
+    if (const SharedBytes snapshot = core(i).snapshot_due()) {
+      disks_[i] = *snapshot;
+      core(i).snapshot_written(now_);
+    }
+  }
+}
+
 void RegionCluster::step(int ticks) {
   for (int n = 0; n < ticks; ++n) {
     now_ = now_ + 1;
     deliver();
-    for (auto& c : cores_) c->step(now_);
+    for (auto& c : cores_)
+      if (c) c->step(now_);
     collect();
+    write_disks();
   }
 }
 
@@ -114,18 +151,25 @@ void RegionCluster::cut_link(int a, int b) {
   for (const auto& ends : {std::pair(a, b), std::pair(b, a)}) {
     links_[ends].clear();
     cut_[ends] = true;
-    core(ends.first).peer_down(PeerId{static_cast<std::uint16_t>(ends.second)});
+    if (is_alive(ends.first)) core(ends.first).peer_down(PeerId{static_cast<std::uint16_t>(ends.second)});
+  }
+}
+
+void RegionCluster::link(int a, int b) {
+  if (!is_alive(a) || !is_alive(b)) return;
+  for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
+    links_[{from, to}].clear();
+    cut_[{from, to}] = false;
+    silent_[{from, to}] = false;
+    core(from).peer_up(PeerId{static_cast<std::uint16_t>(to)},
+                       incarnations_[static_cast<std::size_t>(to)]);
   }
 }
 
 void RegionCluster::reset_link(int a, int b) {
-  for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
-    links_[{from, to}].clear();
-    cut_[{from, to}] = false;
-    const PeerId peer{static_cast<std::uint16_t>(to)};
-    core(from).peer_down(peer);
-    core(from).peer_up(peer, incarnations_[static_cast<std::size_t>(to)]);
-  }
+  for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)})
+    if (is_alive(from)) core(from).peer_down(PeerId{static_cast<std::uint16_t>(to)});
+  link(a, b);
 }
 
 void RegionCluster::restart(int i) {
@@ -135,6 +179,62 @@ void RegionCluster::restart(int i) {
                                             incarnations_[at]);
   for (int j = 0; j < static_cast<int>(cores_.size()); ++j)
     if (j != i) reset_link(i, j);
+}
+
+void RegionCluster::give_disks() {
+  has_disks_ = true;
+  for (auto& c : cores_) c->enable_snapshots();
+}
+
+void RegionCluster::kill(int i, Sent sent) {
+  for (int j = 0; j < static_cast<int>(cores_.size()); ++j) {
+    if (j == i) continue;
+    if (sent == Sent::arrives && is_alive(j))
+      for (const Message& message : links_[{i, j}]) hand_over(i, j, message.frame);
+    cut_link(i, j);
+  }
+  if (store_) store_->region_down(RegionId{static_cast<std::uint16_t>(i)});
+  store_answers_[i].clear();
+  cores_[static_cast<std::size_t>(i)].reset();
+}
+
+Status RegionCluster::start_again(int i, Disk disk) {
+  const auto at = static_cast<std::size_t>(i);
+  incarnations_[at] = Incarnation{incarnations_[at].value + 1};
+  cores_[at] = std::make_unique<RegionCore>(world_, RegionId{static_cast<std::uint16_t>(i)},
+                                            incarnations_[at]);
+  if (has_disks_) core(i).enable_snapshots();
+  disk_stopped_[i] = false;
+  const Status status = core(i).recover(disk == Disk::kept ? disks_[i] : Bytes{});
+  for (int j = 0; j < static_cast<int>(cores_.size()); ++j)
+    if (j != i) link(i, j);
+  if (store_) {
+    store_->region_up(RegionId{static_cast<std::uint16_t>(i)});
+    core(i).peer_up(PeerId::gateway(0), store_incarnation_);
+  }
+  return status;
+}
+
+bool RegionCluster::recovering() const {
+  return std::any_of(cores_.begin(), cores_.end(),
+                     [](const auto& c) { return !c || c->recovering(); });
+}
+
+void RegionCluster::kill_store() {
+  store_.reset();
+  store_answers_.clear();
+  for (auto& c : cores_)
+    if (c) c->peer_down(PeerId::gateway(0));
+}
+
+void RegionCluster::start_store() {
+  store_ = std::make_unique<ReplicaStore>(world_.prototypes.size());
+  store_incarnation_ = Incarnation{store_incarnation_.value + 1};
+  for (std::size_t i = 0; i < cores_.size(); ++i) {
+    if (!cores_[i]) continue;
+    store_->region_up(RegionId{static_cast<std::uint16_t>(i)});
+    cores_[i]->peer_up(PeerId::gateway(0), store_incarnation_);
+  }
 }
 
 void RegionCluster::command(PlayerCommand command, std::optional<int> to) {
@@ -148,7 +248,7 @@ void RegionCluster::command(PlayerCommand command, std::optional<int> to) {
 std::optional<int> RegionCluster::owner(BodyId id) const {
   std::optional<int> found;
   for (std::size_t i = 0; i < cores_.size(); ++i) {
-    if (!cores_[i]->hosting().hosts(id)) continue;
+    if (!cores_[i] || !cores_[i]->hosting().hosts(id)) continue;
     if (found) throw std::logic_error("two regions simulate one body");
     found = static_cast<int>(i);
   }
@@ -158,6 +258,7 @@ std::optional<int> RegionCluster::owner(BodyId id) const {
 std::size_t RegionCluster::bodies_in_world() const {
   std::set<BodyId> ids;
   for (std::size_t i = 0; i < cores_.size(); ++i) {
+    if (!cores_[i]) continue;
     for (BodyId id : cores_[i]->physics().ids()) {
       static_cast<void>(owner(id));
       ids.insert(id);
@@ -166,7 +267,7 @@ std::size_t RegionCluster::bodies_in_world() const {
       if (i == j) continue;
       const auto& journal = cores_[i]->journal(RegionId{static_cast<std::uint16_t>(j)});
       for (const auto& entry : journal.unacknowledged()) {
-        if (entry.type != FrameType::handoff) continue;
+        if (entry.type != FrameType::handoff || journal.is_taken(entry)) continue;
         const auto group =
             decode_handoff(entry.payload, world_.prototypes.size(), world_.statics.size());
         for (const auto& b : group->bodies) ids.insert(b.body.id);

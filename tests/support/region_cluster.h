@@ -41,6 +41,25 @@ class RegionCluster {
   /// Kills a region and starts it with a new incarnation and an empty core.
   void restart(int i);
 
+  /// From now on every region writes its snapshots to a disk that survives it.
+  void give_disks();
+  /// From now on what is due on the disk of a region is not written.
+  void stop_disk(int i) { disk_stopped_[i] = true; }
+  /// Ends the process of a region. What it has sent is lost, or still arrives.
+  enum class Sent { lost, arrives };
+  void kill(int i, Sent sent = Sent::lost);
+  /// Starts it anew, from its disk or without one; it recovers.
+  enum class Disk { kept, lost };
+  Status start_again(int i, Disk disk = Disk::kept);
+  bool is_alive(int i) const { return cores_[static_cast<std::size_t>(i)] != nullptr; }
+  bool recovering() const;
+  /// Ends the gateway's process, and starts an empty one that all regions know.
+  void kill_store();
+  void start_store();
+  /// Messages from a to b wait from now on, although the link seems to be up.
+  void silence(int a, int b) { silent_[{a, b}] = true; }
+  Bytes& disk(int i) { return disks_[i]; }
+
   /// A player's command to the core that hosts the avatar now (or, for join, to region `to`).
   void command(PlayerCommand command, std::optional<int> to = {});
 
@@ -58,7 +77,11 @@ class RegionCluster {
     SharedBytes frame;
   };
   void deliver();
+  void hand_over(int from, int to, const SharedBytes& bytes);
   void collect();
+  void take_of_store(int from, const SharedBytes& bytes);
+  void write_disks();
+  void link(int a, int b);
 
   const WorldDefinition& world_;
   int delay_ticks_;
@@ -67,7 +90,13 @@ class RegionCluster {
   std::vector<Incarnation> incarnations_;
   std::map<std::pair<int, int>, std::deque<Message>> links_;
   std::map<std::pair<int, int>, bool> cut_;
+  std::map<std::pair<int, int>, bool> silent_;
   std::unique_ptr<ReplicaStore> store_;
+  Incarnation store_incarnation_{1};
+  std::map<int, std::deque<SharedBytes>> store_answers_;  ///< To regions, for the next tick.
+  bool has_disks_ = false;
+  std::map<int, Bytes> disks_;
+  std::map<int, bool> disk_stopped_;
   std::vector<std::string> faults_;
 };
 

@@ -106,24 +106,55 @@ ContactManifold plain_manifold(const btPersistentManifold& manifold, const Bulle
   return out;
 }
 
+/// The order in which Bullet's deterministic dispatch would meet pairs: manifolds made early then
+/// stand as they would, had everybody always been here.
+struct PairKey {
+  int low_uid;
+  int high_uid;
+  bool operator==(const PairKey&) const = default;
+  bool operator<(const PairKey& other) const {
+    return std::tie(low_uid, high_uid) > std::tie(other.low_uid, other.high_uid);
+  }
+};
+
+PairKey key_of(const btBroadphaseProxy& one, const btBroadphaseProxy& two) {
+  return {std::min(one.m_uniqueId, two.m_uniqueId), std::max(one.m_uniqueId, two.m_uniqueId)};
+}
+
+void look_at(BulletWorld& world, btBroadphasePair& pair) {
+  world.dispatcher().admit_sleeping(true);
+  btCollisionDispatcher::defaultNearCallback(pair, world.dispatcher(),
+                                             world.dynamics().getDispatchInfo());
+  world.dispatcher().admit_sleeping(false);
+}
+
+/// True if a pair met from `body`'s side is to be taken from the other side, or not at all.
+bool is_left_out(const BulletBody& body, const BulletBody& other, Partners partners) {
+  if (!other.marked) return partners == Partners::within;
+  return other.id < body.id;  // both are of the group: met once from either side
+}
+
 }  // namespace
 
 std::vector<ContactManifold> extract_contacts(BulletWorld& world,
-                                              std::span<BulletBody* const> group) {
+                                              std::span<BulletBody* const> group,
+                                              Partners partners) {
   for (BulletBody* body : group) body->marked = true;
   std::vector<ContactManifold> out;
   btManifoldArray manifolds;
   for (BulletBody* body : group) {
-    for_each_pair(world, *body, [&](btCollisionObject& other, const btBroadphasePair& pair) {
-      const BulletBody* other_body = body_of(&other);
-      // Each pair of bodies is met twice: once from either side.
-      if (other_body && (!other_body->marked || other_body->id < body->id)) return;
+    for_each_pair(world, *body, [&](btCollisionObject& object, const btBroadphasePair& pair) {
+      const BulletBody* other = body_of(&object);
+      if (other && is_left_out(*body, *other, partners)) return;
       if (!has_contact_points(pair, manifolds)) return;
-      const ContactPartner b =
-          other_body ? ContactPartner{other_body->id} : ContactPartner{static_of(&other)};
+      const bool body_first = !other || body->id < other->id;
+      const BulletBody& a = body_first ? *body : *other;
+      const ContactPartner b = !other       ? ContactPartner{static_of(&object)}
+                               : body_first ? ContactPartner{other->id}
+                                            : ContactPartner{body->id};
       for (int i = 0; i < manifolds.size(); ++i)
         if (manifolds[i]->getNumContacts() > 0)
-          out.push_back(plain_manifold(*manifolds[i], *body, b, i));
+          out.push_back(plain_manifold(*manifolds[i], a, b, i));
     });
   }
   for (BulletBody* body : group) body->marked = false;
@@ -135,42 +166,44 @@ std::vector<ContactManifold> extract_contacts(BulletWorld& world,
 
 void install_contacts(BulletWorld& world, std::vector<CarriedContact> carried) {
   struct Job {
-    int uid_0, uid_1;
+    PairKey key;
     CarriedContact contact;
   };
   std::vector<Job> jobs;
   for (const CarriedContact& c : carried) {
     if (!c.a || !c.b || c.a == c.b) continue;
-    const int uid_a = c.a->getBroadphaseHandle()->m_uniqueId;
-    const int uid_b = c.b->getBroadphaseHandle()->m_uniqueId;
-    jobs.push_back({std::min(uid_a, uid_b), std::max(uid_a, uid_b), c});
+    jobs.push_back({key_of(*c.a->getBroadphaseHandle(), *c.b->getBroadphaseHandle()), c});
   }
-  // In the order in which Bullet's deterministic dispatch would meet the pairs: manifolds then
-  // stand in the order that they would have, had the group always been here.
-  std::stable_sort(jobs.begin(), jobs.end(), [](const Job& x, const Job& y) {
-    return std::tie(x.uid_0, x.uid_1) > std::tie(y.uid_0, y.uid_1);
-  });
+  std::stable_sort(jobs.begin(), jobs.end(),
+                   [](const Job& x, const Job& y) { return x.key < y.key; });
 
   btManifoldArray manifolds;
-  world.dispatcher().admit_sleeping(true);
   for (std::size_t i = 0; i < jobs.size();) {
     const CarriedContact& first = jobs[i].contact;
     std::size_t end = i;
-    while (end < jobs.size() && jobs[end].uid_0 == jobs[i].uid_0 &&
-           jobs[end].uid_1 == jobs[i].uid_1)
-      ++end;
+    while (end < jobs.size() && jobs[end].key == jobs[i].key) ++end;
     btBroadphasePair* pair =
         world.pairs().findPair(first.a->getBroadphaseHandle(), first.b->getBroadphaseHandle());
     if (pair) {
-      btCollisionDispatcher::defaultNearCallback(*pair, world.dispatcher(),
-                                                 world.dynamics().getDispatchInfo());
+      look_at(world, *pair);
       manifolds.resize(0);
       if (pair->m_algorithm) pair->m_algorithm->getAllContactManifolds(manifolds);
       for (std::size_t j = i; j < end; ++j) replace_points(manifolds, jobs[j].contact);
     }
     i = end;
   }
-  world.dispatcher().admit_sleeping(false);
+}
+
+void detect_contacts(BulletWorld& world, std::span<BulletBody* const> group) {
+  std::vector<std::pair<PairKey, btBroadphasePair*>> pairs;
+  for (BulletBody* body : group)
+    for_each_pair(world, *body, [&](btCollisionObject&, const btBroadphasePair& pair) {
+      pairs.emplace_back(key_of(*pair.m_pProxy0, *pair.m_pProxy1),
+                         const_cast<btBroadphasePair*>(&pair));
+    });
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  for (const auto& [key, pair] : pairs) look_at(world, *pair);
 }
 
 }  // namespace aureole

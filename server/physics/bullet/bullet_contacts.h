@@ -16,9 +16,19 @@ struct CarriedContact {
   const ContactManifold* manifold;
 };
 
-/// Contacts among `group` and between it and static geometry, sorted by (a, b, ordinal).
+/// Whose contacts with a group are meant.
+enum class Partners {
+  within,  ///< The group's own members and static geometry.
+  all,     ///< Bodies and stand-ins outside it too.
+};
+
+/// Contacts of `group`, sorted by (a, b, ordinal).
 std::vector<ContactManifold> extract_contacts(BulletWorld& world,
-                                              std::span<BulletBody* const> group);
+                                              std::span<BulletBody* const> group,
+                                              Partners partners);
+
+/// Looks at all pairs of the group at once, asleep or not, as the next step would at those awake.
+void detect_contacts(BulletWorld& world, std::span<BulletBody* const> group);
 
 /// Makes sure that each pair has been looked at, asleep or not, then replaces its points.
 void install_contacts(BulletWorld& world, std::vector<CarriedContact> carried);

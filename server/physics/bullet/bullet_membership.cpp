@@ -24,13 +24,16 @@ bool has_contact_points(const btBroadphasePair& pair, btManifoldArray& scratch) 
   return false;
 }
 
-void BulletWorld::insert_object(btCollisionObject& object, Mobility mobility) {
+BulletWorld::Filter BulletWorld::filter_for(Mobility mobility) {
   // What nothing moves need not be tested against its like.
-  const bool fixed = mobility == Mobility::fixed;
-  const int filter_group =
-      fixed ? btBroadphaseProxy::StaticFilter : btBroadphaseProxy::DefaultFilter;
-  const int filter_mask = fixed ? btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter
-                                : btBroadphaseProxy::AllFilter;
+  if (mobility == Mobility::moving)
+    return {btBroadphaseProxy::DefaultFilter, btBroadphaseProxy::AllFilter};
+  return {btBroadphaseProxy::StaticFilter,
+          btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter};
+}
+
+void BulletWorld::insert_object(btCollisionObject& object, Mobility mobility) {
+  const Filter filter = filter_for(mobility);
   btCollisionObjectArray& objects = world_.getCollisionObjectArray();
   object.setWorldArrayIndex(objects.size());
   objects.push_back(&object);
@@ -40,36 +43,37 @@ void BulletWorld::insert_object(btCollisionObject& object, Mobility mobility) {
   object.getCollisionShape()->getAabb(object.getWorldTransform(), low, high);
   object.setBroadphaseHandle(broadphase_.createProxy(
       low - contact_margin(), high + contact_margin(), object.getCollisionShape()->getShapeType(),
-      &object, filter_group, filter_mask, &dispatcher_));
+      &object, filter.group, filter.mask, &dispatcher_));
+}
+
+void BulletWorld::enter_moving(BulletBody& body) {
+  body.non_static_index = world_.moving().size();
+  world_.moving().push_back(&body.rigid);
+}
+
+void BulletWorld::leave_moving(BulletBody& body) {
+  auto& moving = world_.moving();
+  btRigidBody* last = moving[moving.size() - 1];
+  moving[body.non_static_index] = last;
+  body_of(last)->non_static_index = body.non_static_index;
+  moving.pop_back();
+  body.non_static_index = -1;
 }
 
 void BulletWorld::insert(BulletBody& body) {
-  if (body.obstacle) {
-    obstacles_.push_back(&body);
-    insert_object(body.rigid, Mobility::fixed);
-    return;
-  }
-  body.non_static_index = world_.moving().size();
-  world_.moving().push_back(&body.rigid);
-  insert_object(body.rigid, Mobility::moving);
+  if (body.role == Role::obstacle) obstacles_.push_back(&body);
+  if (!body.immovable()) enter_moving(body);
+  insert_object(body.rigid, body.immovable() ? Mobility::fixed : Mobility::moving);
 }
 
 void BulletWorld::take_out(BulletBody& body) {
-  if (body.obstacle) {
-    std::erase(obstacles_, &body);
-  } else {
-    auto& moving = world_.moving();
-    btRigidBody* last = moving[moving.size() - 1];
-    moving[body.non_static_index] = last;
-    body_of(last)->non_static_index = body.non_static_index;
-    moving.pop_back();
-    body.non_static_index = -1;
-  }
+  if (body.role == Role::obstacle) std::erase(obstacles_, &body);
+  if (!body.immovable()) leave_moving(body);
   world_.btCollisionWorld::removeCollisionObject(&body.rigid);
   body.marked = false;
 }
 
-void BulletWorld::erase(std::span<BulletBody* const> group) {
+void BulletWorld::erase(std::span<BulletBody* const> group, Wake wake) {
   for (BulletBody* body : group) body->marked = true;
   const auto is_marked = [](const btCollisionObject* object) {
     const BulletBody* body = body_of(object);
@@ -89,7 +93,7 @@ void BulletWorld::erase(std::span<BulletBody* const> group) {
     }
     BulletBody* stays = body_of(object_of(first_leaves ? second : first));
     // Two that arrived asleep have never been looked at: overlapping boxes count as touching.
-    if (stays && !stays->marked && !stays->obstacle &&
+    if (wake == Wake::touching && stays && !stays->marked && !stays->immovable() &&
         (has_contact_points(pair, scratch) ||
          (!pair.m_algorithm && TestAabbAgainstAabb2(first->m_aabbMin, first->m_aabbMax,
                                                     second->m_aabbMin, second->m_aabbMax))))
@@ -108,13 +112,13 @@ void BulletWorld::erase_all(std::span<BulletBody* const> all) {
   for (BulletBody* body : all) take_out(*body);
 }
 
-void BulletWorld::moved_by_hand(BulletBody& body) {
+void BulletWorld::moved_by_hand(BulletBody& body, Wake wake) {
   btManifoldArray scratch;
   std::vector<btPersistentManifold*> manifolds;
   for_each_pair(*this, body, [&](btCollisionObject& object, const btBroadphasePair& pair) {
     if (!has_contact_points(pair, scratch)) return;
     BulletBody* other = body_of(&object);
-    if (other && !other->obstacle) other->rigid.activate(true);
+    if (wake == Wake::touching && other && !other->immovable()) other->rigid.activate(true);
     for (int m = 0; m < scratch.size(); ++m) manifolds.push_back(scratch[m]);
   });
   // Points that no longer hold would carry a sleeping body for ever.

@@ -2,6 +2,8 @@
 #include "server/physics/bullet/bullet_queries.h"
 
 #include <algorithm>
+#include <tuple>
+#include <utility>
 
 #include "server/physics/bullet/bullet_conversions.h"
 
@@ -49,6 +51,18 @@ float squared_distance_to_box(const btVector3& p, const btVector3& low, const bt
   return (p - nearest).length2();
 }
 
+/// Visits each manifold with points whose both sides are bodies or stand-ins, in Bullet's order.
+template <class Visit>
+void for_each_touching(BulletWorld& world, const Visit& visit) {
+  for (int i = 0; i < world.dispatcher().getNumManifolds(); ++i) {
+    const auto& manifold = *world.dispatcher().getManifoldByIndexInternal(i);
+    if (manifold.getNumContacts() == 0) continue;
+    const BulletBody* a = body_of(manifold.getBody0());
+    const BulletBody* b = body_of(manifold.getBody1());
+    if (a && b) visit(*a, *b, manifold);
+  }
+}
+
 }  // namespace
 
 void for_each_pair(BulletWorld& world, const BulletBody& body,
@@ -70,6 +84,41 @@ std::vector<BodyId> bodies_touching(BulletWorld& world, const BulletBody& body) 
   });
   std::sort(out.begin(), out.end());
   return out;
+}
+
+void find_touching(BulletWorld& world, std::vector<ContactGraph::Edge>& edges) {
+  edges.clear();
+  for_each_touching(world, [&](const BulletBody& a, const BulletBody& b, const auto&) {
+    edges.emplace_back(a.graph_index, b.graph_index);
+  });
+}
+
+void append_stand_in_loads(BulletWorld& world, std::vector<StandInLoad>& out) {
+  const auto begin = static_cast<std::ptrdiff_t>(out.size());
+  for_each_touching(world, [&](const BulletBody& a, const BulletBody& b, const auto& manifold) {
+    const BulletBody& stand_in = a.role == Role::stand_in ? a : b;
+    const BulletBody& body = a.role == Role::stand_in ? b : a;
+    if (stand_in.role != Role::stand_in || !body.rigid.isActive()) return;
+    float sum = 0;
+    for (int p = 0; p < manifold.getNumContacts(); ++p)
+      sum += manifold.getContactPoint(p).getAppliedImpulse();
+    out.push_back({stand_in.id, body.id, sum});
+  });
+  // A compound pair has several manifolds. Sums of floats depend on their order: that of the sums
+  // themselves is the same however the manifolds stand.
+  std::sort(out.begin() + begin, out.end(), [](const StandInLoad& x, const StandInLoad& y) {
+    return std::tie(x.stand_in, x.body, x.impulse_ns) < std::tie(y.stand_in, y.body, y.impulse_ns);
+  });
+  auto last = out.begin() + begin;
+  for (auto next = last; next != out.end(); ++next) {
+    if (last != next && last->stand_in == next->stand_in && last->body == next->body) {
+      last->impulse_ns += next->impulse_ns;
+    } else {
+      if (next != out.begin() + begin) ++last;
+      *last = *next;
+    }
+  }
+  if (last != out.end()) out.erase(last + 1, out.end());
 }
 
 bool has_support(BulletWorld& world, const BulletBody& body, float min_up) {
@@ -95,7 +144,7 @@ std::vector<BodyId> bodies_in_sphere(BulletWorld& world, const WorldPosition& ce
   std::vector<BodyId> out;
   for (btBroadphaseProxy* proxy : proxies_in(world, middle - extent, middle + extent)) {
     const BulletBody* body = body_of(object_of(proxy));
-    if (!body) continue;
+    if (!body || body->role == Role::stand_in) continue;
     btVector3 low, high;
     body->rigid.getAabb(low, high);
     if (squared_distance_to_box(middle, low, high) <= radius * radius) out.push_back(body->id);

@@ -102,12 +102,13 @@ void BulletWorld::add_statics() {
   }
 }
 
-std::unique_ptr<BulletBody> BulletWorld::make_body(const NewBody& body, bool obstacle) {
+std::unique_ptr<BulletBody> BulletWorld::make_body(const NewBody& body, Role role) {
+  const bool immovable = role != Role::body;
   const ShapeLibrary::Built& built = shapes_.prototype(body.prototype);
   const BodyDefinition& definition = shapes_.prototypes()[body.prototype.value];
-  btRigidBody::btRigidBodyConstructionInfo info(obstacle ? 0.f : definition.mass_kg, nullptr,
+  btRigidBody::btRigidBodyConstructionInfo info(immovable ? 0.f : definition.mass_kg, nullptr,
                                                 built.shape,
-                                                obstacle ? btVector3(0, 0, 0) : built.inertia);
+                                                immovable ? btVector3(0, 0, 0) : built.inertia);
   info.m_friction = definition.friction;
   info.m_restitution = definition.restitution;
   info.m_linearDamping = definition.linear_damping;
@@ -116,14 +117,14 @@ std::unique_ptr<BulletBody> BulletWorld::make_body(const NewBody& body, bool obs
   info.m_angularSleepingThreshold = settings_.sleep_angular_speed;
 
   auto made = std::make_unique<BulletBody>(body.id, body.prototype, info);
-  made->obstacle = obstacle;
+  made->role = role;
   made->upright = definition.upright;
   made->rigid.setUserPointer(made.get());
   if (definition.upright) made->rigid.setAngularFactor(0.f);
-  if (obstacle) {
+  if (role == Role::obstacle) {
     // Without mass Bullet takes it for static; kinematic, it keeps a velocity in the solver's eyes.
     made->rigid.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-  } else {
+  } else if (role == Role::body) {
     made->rigid.setGravity(aureole::to_bullet(settings_.gravity));
   }
   put_state(*made, body.state);
@@ -134,33 +135,35 @@ void BulletWorld::put_state(BulletBody& body, const BodyState& state) const {
   AUREOLE_CHECK(is_sane(state), "a state is checked before it reaches Bullet");
   btRigidBody& rigid = body.rigid;
   const btTransform pose(aureole::to_bullet(state.orientation), local(state.position));
-  const btVector3 linear = aureole::to_bullet(state.linear_velocity);
+  const bool stands = body.role == Role::stand_in;
+  const btVector3 none(0, 0, 0);
+  const btVector3 linear = stands ? none : aureole::to_bullet(state.linear_velocity);
   const btVector3 angular =
-      body.upright ? btVector3(0, 0, 0) : aureole::to_bullet(state.angular_velocity);
+      stands || body.upright ? none : aureole::to_bullet(state.angular_velocity);
   body.orientation = state.orientation;
-  body.obstacle_linear = state.linear_velocity;
+  body.obstacle_linear = aureole::from_bullet(linear);
   body.obstacle_angular = aureole::from_bullet(angular);
   rigid.setLinearVelocity(linear);
   rigid.setAngularVelocity(angular);
   // Also sets the interpolation pose and velocities, and turns the inertia tensor.
   rigid.setWorldTransform(pose);
   rigid.setCenterOfMassTransform(pose);
-  rigid.forceActivationState(to_bullet(state.activation));
-  if (body.obstacle) {
+  rigid.forceActivationState(stands ? ISLAND_SLEEPING : to_bullet(state.activation));
+  if (body.role == Role::obstacle) {
     // An awake obstacle keeps its neighbours awake: only one that is really moving may.
     const bool moves = state.linear_velocity.norm() > settings_.sleep_linear_speed ||
                        body.obstacle_angular.norm() > settings_.sleep_angular_speed;
     rigid.forceActivationState(moves && state.activation != Activation::asleep ? ACTIVE_TAG
                                                                                : ISLAND_SLEEPING);
   }
-  rigid.setDeactivationTime(state.deactivation_time_s);
+  rigid.setDeactivationTime(stands ? 0 : state.deactivation_time_s);
 }
 
 BodyState BulletWorld::state_of(const BulletBody& body) const {
   BodyState state;
   state.position = global(body.rigid.getWorldTransform().getOrigin());
   state.orientation = body.orientation;
-  if (body.obstacle) {
+  if (body.immovable()) {
     state.linear_velocity = body.obstacle_linear;
     state.angular_velocity = body.obstacle_angular;
   } else {
@@ -204,7 +207,7 @@ void BulletWorld::step(float dt_s, std::span<BulletBody* const> all) {
   // A basis is carried as a quaternion and made of it again elsewhere, with other last bits. Going
   // through the quaternion here too makes a body that has moved to another world the same body.
   for (BulletBody* body : all) {
-    if (body->obstacle || !body->rigid.isActive()) continue;
+    if (body->immovable() || !body->rigid.isActive()) continue;
     const btTransform& pose = body->rigid.getWorldTransform();
     const btQuaternion rotation = pose.getRotation();
     body->orientation = aureole::from_bullet(rotation);

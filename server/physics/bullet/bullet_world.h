@@ -13,6 +13,13 @@
 
 namespace aureole {
 
+/// What a Bullet body is to us.
+enum class Role : std::uint8_t {
+  body,      ///< Moves as physics has it.
+  obstacle,  ///< Moves along its own velocity and nothing stops it.
+  stand_in,  ///< Never moves.
+};
+
 /// A body as Bullet has it, and what Bullet cannot keep exactly.
 struct BulletBody {
   BulletBody(BodyId body_id, PrototypeId body_prototype,
@@ -21,14 +28,18 @@ struct BulletBody {
 
   BodyId id;
   PrototypeId prototype;
-  bool obstacle = false;
+  Role role = Role::body;
   bool upright = false;
   bool marked = false;        ///< Member of the group that a call is about; false between calls.
-  int non_static_index = -1;  ///< Place in Bullet's list of moving bodies; -1 for obstacles.
+  int non_static_index = -1;  ///< Place in Bullet's list of moving bodies; -1 if immovable.
+  mutable std::uint32_t graph_index = 0;  ///< Place in the contact graph while one is built.
   Eigen::Quaternionf orientation{Eigen::Quaternionf::Identity()};  ///< What the basis was made of.
   Eigen::Vector3f obstacle_linear{0, 0, 0};                        ///< m/s
   Eigen::Vector3f obstacle_angular{0, 0, 0};                       ///< rad/s
   btRigidBody rigid;
+
+  /// Nothing pushes it: without mass to the solver, and nobody wakes it.
+  bool immovable() const { return role != Role::body; }
 };
 
 /// The body behind a Bullet object; null for static geometry.
@@ -81,18 +92,22 @@ class BulletWorld {
   BulletWorld& operator=(const BulletWorld&) = delete;
 
   /// A body that is not in the world yet, in `state` exactly.
-  std::unique_ptr<BulletBody> make_body(const NewBody& body, bool obstacle);
+  std::unique_ptr<BulletBody> make_body(const NewBody& body, Role role);
   /// Puts `state` into a body, bit for bit; no one else is told.
   void put_state(BulletBody& body, const BodyState& state) const;
   BodyState state_of(const BulletBody& body) const;
 
   void insert(BulletBody& body);
-  /// Takes bodies out with their pairs in one pass and wakes what touched them.
-  void erase(std::span<BulletBody* const> group);
+  /// Takes bodies out with their pairs in one pass.
+  void erase(std::span<BulletBody* const> group, Wake wake);
   /// Takes all bodies out and wakes nobody.
   void erase_all(std::span<BulletBody* const> all);
+  /// Bodies become stand-ins where they are and keep their contacts with those that stay bodies.
+  void freeze(std::span<BulletBody* const> group);
+  /// A stand-in becomes a body in `state` and keeps its contacts; nobody is woken.
+  void thaw(BulletBody& stand_in, const BodyState& state);
   /// After a body was moved by hand: its box, its pairs, and who was touching it.
-  void moved_by_hand(BulletBody& body);
+  void moved_by_hand(BulletBody& body, Wake wake);
 
   /// `all` are the world's bodies, in any order that is the same each time.
   void step(float dt_s, std::span<BulletBody* const> all);
@@ -113,8 +128,15 @@ class BulletWorld {
  private:
   void add_statics();
   enum class Mobility { moving, fixed };
+  struct Filter {
+    int group;
+    int mask;
+  };
+  static Filter filter_for(Mobility mobility);
   void insert_object(btCollisionObject& object, Mobility mobility);
   void take_out(BulletBody& body);
+  void enter_moving(BulletBody& body);
+  void leave_moving(BulletBody& body);
   void drive_obstacles(float dt_s);
   static void before_solving(btDynamicsWorld* world, btScalar dt_s);
 

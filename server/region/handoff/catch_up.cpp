@@ -2,7 +2,10 @@
 #include "server/region/handoff/catch_up.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
+
+#include "server/aura/migration_policy.h"
 
 namespace aureole {
 namespace {
@@ -30,6 +33,29 @@ std::vector<NewBody> obstacles_for(const HandoffGroup& group, const CatchUpSurro
   return obstacles;
 }
 
+/// The group's own stand-ins, and the host's within reach.
+std::vector<NewBody> walls_for(const HandoffGroup& group, const CatchUpSurroundings& around,
+                               float seconds) {
+  std::map<BodyId, NewBody> walls;
+  for (const NewBody& body : group.stand_ins)
+    if (!around.host.contains(body.id)) walls.emplace(body.id, body);
+  for (BodyId id : around.host.stand_in_ids()) {
+    const NewBody wall = around.host.stand_in(id);
+    const float size = bounding_radius(around.prototypes[wall.prototype.value].shape);
+    const bool near = std::any_of(group.bodies.begin(), group.bodies.end(), [&](const auto& b) {
+      const BodyState& state = b.body.state;
+      const float own = bounding_radius(around.prototypes[b.body.prototype.value].shape);
+      const float reach = size + own + state.linear_velocity.norm() * seconds + 0.5f;
+      return distance(state.position, wall.state.position) < double{reach};
+    });
+    if (near) walls.emplace(id, wall);
+  }
+  for (const auto& b : group.bodies) walls.erase(b.body.id);
+  std::vector<NewBody> all;
+  for (const auto& [id, wall] : walls) all.push_back(wall);
+  return all;
+}
+
 bool may_all_travel(const PhysicsWorld& scratch, std::span<const BodyId> ids) {
   return std::all_of(ids.begin(), ids.end(),
                      [&](BodyId id) { return may_travel(scratch.state(id)); });
@@ -39,13 +65,13 @@ bool may_all_travel(const PhysicsWorld& scratch, std::span<const BodyId> ids) {
 
 void catch_up(HandoffGroup& group, const CatchUpSurroundings& around) {
   const std::int64_t steps = around.host_tick - group.tick;
-  const bool all_asleep = std::all_of(group.bodies.begin(), group.bodies.end(), [](const auto& b) {
-    return b.body.state.activation == Activation::asleep;
+  const bool all_still = std::all_of(group.bodies.begin(), group.bodies.end(), [](const auto& b) {
+    return b.body.state.activation == Activation::asleep || b.still_ticks >= resting_ticks;
   });
   const bool blasted = std::any_of(around.blasts.begin(), around.blasts.end(), [&](const auto& b) {
     return b.tick > group.tick && b.tick <= around.host_tick;
   });
-  if (steps <= 0 || (all_asleep && !blasted)) {
+  if (steps <= 0 || (all_still && !blasted)) {
     group.tick = std::max(group.tick, around.host_tick);
     return;
   }
@@ -61,6 +87,7 @@ void catch_up(HandoffGroup& group, const CatchUpSurroundings& around) {
   }
   scratch.add(bodies);
   for (const auto& obstacle : obstacles) scratch.add_obstacle(obstacle);
+  scratch.add_stand_ins(walls_for(group, around, seconds));
   scratch.install_contacts(group.contacts);
 
   for (Tick tick = group.tick + 1; tick <= around.host_tick; tick = tick + 1) {
@@ -81,7 +108,15 @@ void catch_up(HandoffGroup& group, const CatchUpSurroundings& around) {
   }
 
   for (auto& b : group.bodies) b.body.state = scratch.state(b.body.id);
-  group.contacts = scratch.contacts_within(ids);
+  group.contacts = scratch.contacts_around(ids);
+  // Those with obstacles are left to collision detection: the host's bodies are not where they were.
+  std::erase_if(group.contacts, [&](const ContactManifold& manifold) {
+    const auto is_obstacle = [&](BodyId id) {
+      return around.host.contains(id) && !scratch.is_stand_in(id);
+    };
+    const auto* b = std::get_if<BodyId>(&manifold.b);
+    return is_obstacle(manifold.a) || (b != nullptr && is_obstacle(*b));
+  });
   group.tick = around.host_tick;
 }
 

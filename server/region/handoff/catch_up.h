@@ -21,8 +21,9 @@ struct CatchUpSurroundings {
 };
 
 /// Brings `group` from its own tick to `host_tick`. Bullet cannot step a part of a world, so this
-/// happens in a scratch world: the group with its contacts, the static geometry, and what stands in
-/// the way as obstacles that fly on as they fly now. Asleep groups are returned as they are.
+/// happens in a scratch world: the group with its contacts and its stand-ins, the static geometry,
+/// and what stands in the way as obstacles that fly on as they fly now. Groups of which every body
+/// lies still are returned as they are.
 /// The paper leaves this gap in time open.
 void catch_up(HandoffGroup& group, const CatchUpSurroundings& around);
 

@@ -146,18 +146,26 @@ Result<ContactManifold> from_wire(const wire::HandoffManifold& m, const HandoffG
                               HandoffGroup::Body{{id, {}, {}}, 0, 0},
                               [](const auto& a, const auto& b) { return a.body.id < b.body.id; });
   };
+  const auto stays_behind = [&](BodyId id) {
+    return std::binary_search(group.stand_ins.begin(), group.stand_ins.end(), NewBody{id, {}, {}},
+                              [](const auto& a, const auto& b) { return a.id < b.id; });
+  };
+  const auto known = [&](BodyId id) { return in_group(id) || stays_behind(id); };
   ContactManifold manifold;
   manifold.a = BodyId{m.a()};
   manifold.ordinal = m.ordinal();
   if (m.b_body() != 0) {
     manifold.b = BodyId{m.b_body()};
-    if (!in_group(BodyId{m.b_body()}) || m.a() == m.b_body())
+    const BodyId b{m.b_body()};
+    if (!known(b) || m.a() == m.b_body() || (!in_group(b) && !in_group(manifold.a)))
       return Error{"a contact in a handoff names a body outside the group"};
   } else {
     if (m.b_static() >= statics) return Error{"a contact in a handoff names unknown geometry"};
     manifold.b = StaticId{m.b_static()};
   }
-  if (!in_group(manifold.a)) return Error{"a contact in a handoff names a body outside the group"};
+  const bool on_geometry = m.b_body() == 0;
+  if (on_geometry ? !in_group(manifold.a) : !known(manifold.a))
+    return Error{"a contact in a handoff names a body outside the group"};
   if (m.points() == nullptr || m.points()->size() == 0 || m.points()->size() > 4)
     return Error{"a contact in a handoff has not 1 to 4 points"};
   for (const auto* p : *m.points()) {
@@ -206,6 +214,23 @@ Result<Avatar> from_wire(const wire::HandoffPlayer& p) {
 
 }  // namespace
 
+wire::Resting encode_resting(const NewBody& body) {
+  return {body.id.value, to_wire(body.state.position), to_wire(body.state.orientation),
+          body.prototype.value};
+}
+
+Result<NewBody> decode_resting(const wire::Resting& resting, std::size_t prototypes) {
+  NewBody body{BodyId{resting.id()}, PrototypeId{resting.prototype()}, {}};
+  body.state.position = from_wire(resting.position());
+  body.state.orientation = from_wire(resting.orientation());
+  body.state.activation = Activation::asleep;
+  if (!body.id.valid() || resting.prototype() >= prototypes || !may_travel(body.state))
+    return Error::format(
+        "a resting body {:#x} of prototype {} that cannot be, or whose pose is out of range",
+        resting.id(), resting.prototype());
+  return body;
+}
+
 bool may_travel(const BodyState& state) {
   return is_sane(state) && state.position.vector().cwiseAbs().maxCoeff() <= travel_distance_max_m &&
          state.linear_velocity.cwiseAbs().maxCoeff() <= travel_speed_max &&
@@ -253,9 +278,12 @@ Bytes encode_handoff(const HandoffGroup& group) {
         a.lost_since.value, a.keys, a.yaw, a.pitch, a.thrown, a.carried.value, a.carried_distance_m,
         builder.CreateVectorOfStructs(waiting)));
   }
-  builder.Finish(
-      wire::CreateHandoff(builder, group.tick.value, builder.CreateVectorOfStructs(bodies),
-                          builder.CreateVector(manifolds), builder.CreateVector(players)));
+  std::vector<wire::Resting> stand_ins;
+  for (const NewBody& body : group.stand_ins) stand_ins.push_back(encode_resting(body));
+  builder.Finish(wire::CreateHandoff(
+      builder, group.tick.value, builder.CreateVectorOfStructs(bodies),
+      builder.CreateVector(manifolds), builder.CreateVector(players),
+      builder.CreateVectorOfStructs(stand_ins)));
   return payload_of(builder);
 }
 
@@ -279,6 +307,17 @@ Result<HandoffGroup> decode_handoff(std::span<const std::byte> payload, std::siz
     if (!group.bodies.empty() && !(group.bodies.back().body.id < body->body.id))
       return Error{"the bodies of a handoff are not in ascending order"};
     group.bodies.push_back(*body);
+  }
+  if (message->stand_ins() != nullptr) {
+    if (message->stand_ins()->size() > max_handoff_bodies)
+      return Error::format("a handoff leaves more than {} bodies behind", max_handoff_bodies);
+    for (const auto* s : *message->stand_ins()) {
+      auto body = decode_resting(*s, prototypes);
+      if (!body) return body.error();
+      if (!group.stand_ins.empty() && !(group.stand_ins.back().id < body->id))
+        return Error{"the bodies that a handoff leaves behind are not in ascending order"};
+      group.stand_ins.push_back(*body);
+    }
   }
   if (message->manifolds() != nullptr) {
     for (const auto* m : *message->manifolds()) {

@@ -24,9 +24,19 @@ struct HandoffGroup {
   };
   Tick tick;
   std::vector<Body> bodies;  ///< ascending
+  /// Among the bodies, with the ground and with `stand_ins`; one side is always in `bodies`.
   std::vector<ContactManifold> contacts;
   std::vector<Avatar> avatars;
+  /// Resting bodies that touch the group and stay behind; ascending. Only pose and prototype count.
+  std::vector<NewBody> stand_ins;
 };
+
+namespace wire {
+struct Resting;
+}
+/// A resting body as it travels in handoffs and auras messages, and back with every number checked.
+wire::Resting encode_resting(const NewBody& body);
+Result<NewBody> decode_resting(const wire::Resting& resting, std::size_t prototypes);
 
 /// More bodies than this never travel in one message.
 inline constexpr std::size_t max_handoff_bodies = 4096;

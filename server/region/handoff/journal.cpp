@@ -1,8 +1,10 @@
-// Acknowledged messages: numbering, sending again, and taking each one once.
+// Numbering, sending again, taking each message once, and keeping it until it is durable.
 #include "server/region/handoff/journal.h"
 
 #include <algorithm>
 #include <utility>
+
+#include "server/base/check.h"
 
 namespace aureole {
 
@@ -23,11 +25,15 @@ std::vector<SharedBytes> Journal::take_unsent() {
   return frames;
 }
 
-Status Journal::acknowledge(std::uint64_t sequence) {
-  if (sequence > highest_sent_)
-    return Error::format("acknowledgement of message {}, but only {} were sent", sequence,
+Status Journal::acknowledge(std::uint64_t taken, std::uint64_t durable) {
+  if (taken > highest_sent_)
+    return Error::format("acknowledgement of message {}, but only {} were sent", taken,
                          highest_sent_);
-  while (!entries_.empty() && entries_.front().sequence <= sequence) entries_.pop_front();
+  if (durable > taken)
+    return Error::format("message {} is said to be durable, but only {} to be taken", durable,
+                         taken);
+  peer_taken_ = std::max(peer_taken_, taken);
+  while (!entries_.empty() && entries_.front().sequence <= durable) entries_.pop_front();
   return Ok{};
 }
 
@@ -38,10 +44,12 @@ void Journal::link_up(Incarnation peer) {
     next_sequence_ = 1;
     for (Entry& entry : entries_) entry.sequence = next_sequence_++;
     highest_sent_ = 0;
+    peer_taken_ = 0;
     taken_ = 0;
+    durable_ = 0;
     acknowledgement_due_ = false;
   }
-  sent_ = 0;
+  sent_ = peer_taken_;
 }
 
 Result<Journal::Arrival> Journal::arrive(std::uint64_t sequence) {
@@ -51,6 +59,13 @@ Result<Journal::Arrival> Journal::arrive(std::uint64_t sequence) {
   if (sequence <= taken_) return Arrival::repeated;
   taken_ = sequence;
   return Arrival::fresh;
+}
+
+void Journal::note_durable(std::uint64_t sequence) {
+  AUREOLE_CHECK(sequence <= taken_, "only what was taken can be durable");
+  if (sequence <= durable_) return;
+  durable_ = sequence;
+  acknowledgement_due_ = true;
 }
 
 bool Journal::take_acknowledgement_due() {

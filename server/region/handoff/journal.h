@@ -1,8 +1,9 @@
-// Messages that must arrive: kept by the sender until acknowledged, taken once by the receiver.
+// Messages that must arrive: kept by the sender until they are safe, taken once by the receiver.
 //
 // TCP keeps order and loses what was in flight when a link is reset; what is in doubt then is sent
-// again from here, and the sequence tells the receiver what it has already taken. One journal
-// serves one pair of servers in both directions.
+// again from here, and the sequence tells the receiver what it has already taken. What has been
+// taken is safe only once it is durable: part of a snapshot that survives the receiver's process.
+// One journal serves one pair of servers in both directions.
 #pragma once
 
 #include <cstdint>
@@ -25,21 +26,27 @@ class Journal {
 
   // ---- Sending side ----------------------------------------------------------------------------
 
-  /// Keeps the message until it is acknowledged. Returns its sequence.
+  /// Keeps the message until it is durable at the receiver. Returns its sequence.
   std::uint64_t append(FrameType type, Bytes payload);
 
   /// Frames that have not been sent over the present link yet, in order; marks them as sent.
   std::vector<SharedBytes> take_unsent();
 
-  /// The receiver has taken everything up to and with `sequence`. An Error if it was never sent.
-  Status acknowledge(std::uint64_t sequence);
+  /// The receiver has taken everything up to and with `taken`, and everything up to and with
+  /// `durable` survives its death. An Error if it was never sent, or is durable without being
+  /// taken.
+  Status acknowledge(std::uint64_t taken, std::uint64_t durable);
 
-  /// A link to the peer begins. Everything unacknowledged is sent again; towards a new incarnation,
-  /// which knows of nothing, it is numbered anew from 1.
+  /// A link to the peer begins. To the same incarnation what it has not taken is sent again; to a
+  /// new one, which knows of nothing, all that is not durable, numbered anew from 1.
   void link_up(Incarnation peer);
 
-  /// Entries without acknowledgement, oldest first: the bodies in them are passive copies.
+  /// Entries that are not durable, oldest first: the bodies in them are passive copies.
   const std::deque<Entry>& unacknowledged() const { return entries_; }
+  /// Whether the present incarnation of the receiver has taken it.
+  bool is_taken(const Entry& entry) const { return entry.sequence <= peer_taken_; }
+  /// Who the other side is at present; 0 before the first link.
+  Incarnation peer() const { return peer_; }
 
   // ---- Receiving side --------------------------------------------------------------------------
 
@@ -50,7 +57,10 @@ class Journal {
 
   /// Everything up to here has been taken; 0: nothing yet.
   std::uint64_t taken() const { return taken_; }
-  /// True once after arrivals (repeated ones too): an acknowledgement is due.
+  /// What has been taken up to and with `sequence` of this incarnation survives our death.
+  void note_durable(std::uint64_t sequence);
+  std::uint64_t durable() const { return durable_; }
+  /// True once after arrivals (repeated ones too) and after more has become durable.
   bool take_acknowledgement_due();
 
  private:
@@ -58,7 +68,9 @@ class Journal {
   std::uint64_t next_sequence_ = 1;
   std::uint64_t sent_ = 0;          ///< Highest sequence sent over the present link.
   std::uint64_t highest_sent_ = 0;  ///< Over any link to this incarnation.
+  std::uint64_t peer_taken_ = 0;    ///< Of ours, by this incarnation.
   std::uint64_t taken_ = 0;
+  std::uint64_t durable_ = 0;
   bool acknowledgement_due_ = false;
   Incarnation peer_;
 };

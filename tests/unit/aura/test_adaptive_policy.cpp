@@ -1,4 +1,4 @@
-// Aura projection's decisions, one look at a time: who goes, who is asked for, who is told.
+// The adaptive mode's decisions, one look at a time: who goes, who is asked for, who is told.
 #include <algorithm>
 
 #include "server/aura/migration_policy.h"
@@ -42,8 +42,27 @@ HostedBody awake_at(int n, double x, double z = 0) {
 
 /// As another server would project such a body.
 RemoteAura aura(int n, std::uint16_t host, bool asleep, double x, double z = 0) {
-  return {name(n), RegionId{host}, {{x, 1, z}, {0.38, 0.38, 0.38}}, asleep};
+  RemoteAura remote{name(n), RegionId{host}, {{x, 1, z}, {0.38, 0.38, 0.38}}, asleep};
+  remote.resting = asleep;
+  remote.speed_mps = asleep ? 0 : 0.2;
+  return remote;
 }
+
+/// Bodies in a row of contacts, by their numbers.
+class Row final : public ContactSource {
+ public:
+  Row(int first, int last) : first_(first), last_(last) {}
+  void touching(BodyId body, std::vector<BodyId>& found) const override {
+    for (int n = first_; n <= last_; ++n) {
+      if (body != name(n)) continue;
+      if (n > first_) found.push_back(name(n - 1));
+      if (n < last_) found.push_back(name(n + 1));
+    }
+  }
+
+ private:
+  int first_, last_;
+};
 
 struct Scene {
   PartitionMap map = columns(2);
@@ -52,10 +71,12 @@ struct Scene {
   std::vector<RemoteAura> remote;
   std::vector<HandoverRequest> requested;
   std::vector<bool> linked = std::vector<bool>(16, true);
+  const ContactSource* contacts = nullptr;
 
   MigrationDecision decide() const {
     return make_adaptive_policy(AuraTolerances{})
-        ->decide({Tick{0}, RegionId{self}, map, hosted, remote, requested, linked});
+        ->decide({Tick{0}, RegionId{self}, map, hosted, remote, requested, linked,
+                  contacts});
   }
 };
 
@@ -73,7 +94,7 @@ std::vector<RegionId> regions(std::initializer_list<int> numbers) {
 
 }  // namespace
 
-TEST_CASE("the arbiter asks for the other server's body, whichever of the two moves") {
+TEST_CASE("the lower server asks for the other one's body unless both rest") {
   for (const bool ours_sleeps : {false, true})
     for (const bool theirs_sleeps : {false, true}) {
       Scene scene;
@@ -81,20 +102,28 @@ TEST_CASE("the arbiter asks for the other server's body, whichever of the two mo
       scene.remote = {aura(1, 1, theirs_sleeps, 10.3)};
       const auto decision = scene.decide();
       REQUIRE(decision.leaving.empty());
+      if (ours_sleeps && theirs_sleeps) {
+        REQUIRE(decision.pulls.empty());
+        continue;
+      }
       REQUIRE(decision.pulls.size() == 1);
       REQUIRE(decision.pulls[0].from == RegionId{1});
       REQUIRE(decision.pulls[0].bodies == std::vector{name(1)});
     }
 }
 
-TEST_CASE("the server that is not the arbiter waits, and tells the arbiter what it has there") {
+TEST_CASE("the higher server sends its body at once, and tells of one that may stay") {
   Scene scene;
   scene.self = 1;
   scene.hosted = {asleep_at(0, 10.6)};  // Its own aura ends short of the boundary.
   scene.remote = {aura(1, 0, false, 10.1)};
-  const auto decision = scene.decide();
-  REQUIRE(decision.leaving.empty());
+  auto decision = scene.decide();
   REQUIRE(decision.pulls.empty());
+  REQUIRE(decision.leaving.size() == 1);
+  REQUIRE(decision.leaving[0].to == RegionId{0});
+  scene.remote = {aura(1, 0, true, 10.1)};
+  decision = scene.decide();
+  REQUIRE(decision.leaving.empty());
   REQUIRE(told_of(decision, name(0)) == regions({0}));
   scene.remote.clear();
   REQUIRE(told_of(scene.decide(), name(0)).empty());
@@ -112,8 +141,72 @@ TEST_CASE("both servers of a pair look at the same overlap and exactly one moves
       const auto first = low.decide();
       for (const Pull& pull : first.pulls)
         for (BodyId id : pull.bodies) high.requested.push_back({id, RegionId{0}});
-      REQUIRE(first.leaving.size() + high.decide().leaving.size() == 1);
+      const std::size_t moves = ours_sleeps && theirs_sleeps ? 0 : 1;
+      REQUIRE(first.leaving.size() + high.decide().leaving.size() == moves);
     }
+}
+
+TEST_CASE("a body that meets two servers at a corner goes to the lowest one") {
+  Scene scene;
+  scene.map = columns(3);
+  scene.self = 2;
+  scene.hosted = {awake_at(0, 20.1)};
+  scene.remote = {aura(1, 1, true, 19.6), aura(2, 0, true, 20.4)};
+  const auto decision = scene.decide();
+  REQUIRE(decision.leaving.size() == 1);
+  REQUIRE(decision.leaving[0].to == RegionId{0});
+}
+
+TEST_CASE("what will be struck through a row of contacts goes along before the blow") {
+  Scene scene;
+  scene.self = 1;
+  scene.hosted.push_back(awake_at(0, 16.4));
+  scene.hosted[0].surface_speed_mps = 20;
+  scene.hosted[0].velocity_mps = {-20, 0, 0};
+  for (int n = 1; n <= 6; ++n) scene.hosted.push_back(asleep_at(n, 14.6 - 0.6 * n));
+  scene.remote = {aura(9, 0, true, 10.4)};  // Touches the last one of the row.
+  const auto decision_without = scene.decide();
+  REQUIRE(decision_without.leaving.empty());
+  const Row row(1, 6);
+  scene.contacts = &row;
+  const auto decision = scene.decide();
+  REQUIRE(decision.leaving.size() == 1);
+  REQUIRE(decision.leaving[0].bodies.size() == 7);
+}
+
+TEST_CASE("a blow that another server's body will give is passed on here") {
+  Scene scene;
+  const Row row(1, 4);
+  scene.contacts = &row;
+  for (int n = 1; n <= 4; ++n) scene.hosted.push_back(asleep_at(n, 9.6 - 0.6 * n));
+  scene.remote = {aura(0, 1, false, 10.0)};
+  REQUIRE(told_of(scene.decide(), name(4)).empty());
+  scene.remote[0].speed_mps = 20;
+  scene.remote[0].box.half.x() = 2;
+  const auto decision = scene.decide();
+  REQUIRE(decision.pulls.size() == 1);
+  bool grown = false;
+  for (const auto& projected : decision.projected)
+    if (projected.id == name(4)) grown = !projected.resting && projected.speed_mps > 1;
+  REQUIRE(grown);
+}
+
+TEST_CASE("a sleeper that leans harder than when it was cut counts as moving") {
+  Scene scene;
+  scene.hosted = {asleep_at(0, 9.8)};
+  scene.remote = {aura(1, 1, true, 10.3)};
+  REQUIRE(scene.decide().pulls.empty());
+  scene.hosted[0].pressed = true;
+  REQUIRE(scene.decide().pulls.size() == 1);
+}
+
+TEST_CASE("Bullet waking a heap does not make it move: what has been still for long rests") {
+  Scene scene;
+  scene.hosted = {awake_at(0, 9.8)};
+  scene.remote = {aura(1, 1, true, 10.3)};
+  REQUIRE(scene.decide().pulls.size() == 1);
+  scene.hosted[0].still_ticks = resting_ticks;
+  REQUIRE(scene.decide().pulls.empty());
 }
 
 TEST_CASE("a cluster that is asked for goes whole, and nothing is fetched to the place it leaves") {
@@ -167,8 +260,8 @@ TEST_CASE("an aura further from home than the neighbours is told to everybody") 
   Scene scene;
   scene.map = columns(6);
   scene.hosted = {asleep_at(0, 9.0), asleep_at(1, 9.7), asleep_at(2, 25)};
-  // An unbroken cluster keeps 2 from going home.
-  for (int n = 3; n < 30; ++n) scene.hosted.push_back(asleep_at(n, 9.7 + 0.6 * (n - 2)));
+  // They have come too lately to go home at once.
+  for (HostedBody& body : scene.hosted) body.changed_owner = Tick{-1};
   const auto decision = scene.decide();
   REQUIRE(decision.leaving.empty());
   REQUIRE(told_of(decision, name(2)) == regions({1, 2, 3, 4, 5}));
@@ -193,30 +286,45 @@ TEST_CASE(
     "an island over two regions goes to the one that holds most of it, on a tie to the lower") {
   Scene scene;
   scene.map = columns(3);
-  scene.hosted = {asleep_at(0, 19.5), asleep_at(1, 20.1), asleep_at(2, 20.7)};
+  scene.hosted = {awake_at(0, 19.4), awake_at(1, 20.1), awake_at(2, 20.7)};
   REQUIRE(scene.decide().leaving[0].to == RegionId{2});
-  scene.hosted = {asleep_at(0, 19.7), asleep_at(1, 20.3)};
+  scene.hosted = {awake_at(0, 19.7), awake_at(1, 20.3)};
   REQUIRE(scene.decide().leaving[0].to == RegionId{1});
 }
 
-TEST_CASE("an island that a projected aura touches stays until the two are together") {
+TEST_CASE("a heap that rests over a boundary is cut there: each body goes to its own region") {
+  Scene scene;
+  for (int n = 0; n < 6; ++n) scene.hosted.push_back(asleep_at(n, 9.25 + 0.5 * n));
+  const auto decision = scene.decide();
+  REQUIRE(decision.leaving.size() == 1);
+  REQUIRE(decision.leaving[0].to == RegionId{1});
+  REQUIRE(decision.leaving[0].bodies == std::vector{name(2), name(3), name(4), name(5)});
+}
+
+TEST_CASE("an island that a moving aura touches stays until the two are together") {
   Scene scene;
   scene.self = 1;
   scene.hosted = {asleep_at(0, 5)};
-  scene.remote = {aura(1, 0, true, 5.5)};
+  scene.remote = {aura(1, 0, false, 5.5)};
+  scene.linked[0] = false;
   REQUIRE(scene.decide().leaving.empty());
-  scene.remote.clear();
+  scene.linked[0] = true;
+  REQUIRE(scene.decide().leaving.size() == 1);  // Towards the one that it meets.
+  scene.remote[0].host = RegionId{1};
+  scene.self = 0;
+  scene.hosted = {asleep_at(0, 15)};
+  scene.remote = {aura(1, 1, false, 15.5)};
+  REQUIRE(scene.decide().leaving.empty());
+  scene.remote = {aura(1, 1, true, 15.5)};
   REQUIRE(scene.decide().leaving.size() == 1);
 }
 
-TEST_CASE("an island waits before it goes home: half a second at rest, a second while it moves") {
-  // Whoever moves may be met, and fetched back, the moment it has gone: two changes in a second.
+TEST_CASE("whoever has come stays for a second, so that two changes of owner never follow closely") {
   Scene scene;
-  for (const std::int64_t ago : {stay_ticks - 1, stay_ticks, 2 * stay_ticks - 1, 2 * stay_ticks}) {
-    scene.hosted = {asleep_at(0, 15)};
-    scene.hosted[0].changed_owner = Tick{-ago};
-    REQUIRE(scene.decide().leaving.empty() == (ago < stay_ticks));
-    scene.hosted[0].asleep = false;
-    REQUIRE(scene.decide().leaving.empty() == (ago < 2 * stay_ticks));
-  }
+  for (const bool asleep : {false, true})
+    for (const std::int64_t ago : {long_stay_ticks - 1, long_stay_ticks}) {
+      scene.hosted = {asleep ? asleep_at(0, 15) : awake_at(0, 15)};
+      scene.hosted[0].changed_owner = Tick{-ago};
+      REQUIRE(scene.decide().leaving.empty() == (ago < long_stay_ticks));
+    }
 }

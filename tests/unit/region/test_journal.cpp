@@ -34,10 +34,10 @@ TEST_CASE("what is not acknowledged stays, what is acknowledged goes") {
   journal.link_up(Incarnation{7});
   for (char c : {'a', 'b', 'c'}) journal.append(FrameType::handoff, text(c));
   journal.take_unsent();
-  REQUIRE(journal.acknowledge(2));
+  REQUIRE(journal.acknowledge(2, 2));
   REQUIRE(journal.unacknowledged().size() == 1);
   REQUIRE(journal.unacknowledged().front().sequence == 3);
-  REQUIRE(journal.acknowledge(1));  // An old acknowledgement, come late.
+  REQUIRE(journal.acknowledge(1, 1));  // An old acknowledgement, come late.
   REQUIRE(journal.unacknowledged().size() == 1);
 }
 
@@ -46,7 +46,7 @@ TEST_CASE("after a reset what is in doubt is sent again with the same numbers") 
   journal.link_up(Incarnation{7});
   for (char c : {'a', 'b', 'c'}) journal.append(FrameType::handoff, text(c));
   journal.take_unsent();
-  REQUIRE(journal.acknowledge(1));
+  REQUIRE(journal.acknowledge(1, 1));
   journal.link_up(Incarnation{7});
   journal.append(FrameType::handoff, text('d'));
   const auto frames = journal.take_unsent();
@@ -59,7 +59,7 @@ TEST_CASE("towards a restarted peer everything is numbered anew") {
   journal.link_up(Incarnation{7});
   for (char c : {'a', 'b', 'c'}) journal.append(FrameType::handoff, text(c));
   journal.take_unsent();
-  REQUIRE(journal.acknowledge(2));
+  REQUIRE(journal.acknowledge(2, 2));
   journal.link_up(Incarnation{8});
   REQUIRE(sequences(journal.take_unsent()) == Numbers{1});
 }
@@ -96,8 +96,54 @@ TEST_CASE("an acknowledgement of what was never sent is a fault") {
   Journal journal;
   journal.link_up(Incarnation{7});
   journal.append(FrameType::handoff, text('a'));
-  REQUIRE_FALSE(journal.acknowledge(1));
+  REQUIRE_FALSE(journal.acknowledge(1, 1));
   journal.take_unsent();
-  REQUIRE_FALSE(journal.acknowledge(2));
-  REQUIRE(journal.acknowledge(1));
+  REQUIRE_FALSE(journal.acknowledge(2, 2));
+  REQUIRE(journal.acknowledge(1, 1));
+}
+
+TEST_CASE("what is taken but not durable is kept, and not sent again over a mere reset") {
+  Journal journal;
+  journal.link_up(Incarnation{7});
+  for (char c : {'a', 'b', 'c'}) journal.append(FrameType::handoff, text(c));
+  journal.take_unsent();
+  REQUIRE(journal.acknowledge(2, 1));
+  REQUIRE(journal.unacknowledged().size() == 2);
+  REQUIRE(journal.is_taken(journal.unacknowledged().front()));
+  REQUIRE_FALSE(journal.is_taken(journal.unacknowledged().back()));
+  journal.link_up(Incarnation{7});
+  REQUIRE(sequences(journal.take_unsent()) == Numbers{3});
+}
+
+TEST_CASE("a restarted peer is sent again what was taken but not durable") {
+  Journal journal;
+  journal.link_up(Incarnation{7});
+  for (char c : {'a', 'b', 'c'}) journal.append(FrameType::handoff, text(c));
+  journal.take_unsent();
+  REQUIRE(journal.acknowledge(3, 1));
+  journal.link_up(Incarnation{8});
+  const auto frames = journal.take_unsent();
+  REQUIRE(sequences(frames) == Numbers{1, 2});
+  REQUIRE(decode_frame(*frames[0])->payload == text('b'));
+  REQUIRE_FALSE(journal.is_taken(journal.unacknowledged().front()));
+}
+
+TEST_CASE("what is said to be durable must be taken") {
+  Journal journal;
+  journal.link_up(Incarnation{7});
+  for (char c : {'a', 'b'}) journal.append(FrameType::handoff, text(c));
+  journal.take_unsent();
+  REQUIRE_FALSE(journal.acknowledge(1, 2));
+  REQUIRE(journal.unacknowledged().size() == 2);
+}
+
+TEST_CASE("an acknowledgement is due when more becomes durable") {
+  Journal journal;
+  journal.link_up(Incarnation{7});
+  REQUIRE(journal.arrive(1));
+  REQUIRE(journal.take_acknowledgement_due());
+  journal.note_durable(1);
+  REQUIRE(journal.take_acknowledgement_due());
+  journal.note_durable(1);
+  REQUIRE_FALSE(journal.take_acknowledgement_due());
 }

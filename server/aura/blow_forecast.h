@@ -1,0 +1,56 @@
+// Who may soon be struck, directly or through what they touch, and how fast it may make them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "server/aura/migration_policy.h"
+#include "server/aura/overlap_grid.h"
+
+namespace aureole {
+
+/// Slower blows than this are not passed on (m/s): what a stand-in takes without harm.
+inline constexpr double blow_speed_min_mps = 0.04;
+
+/// What moves a body that is struck, and through it the next ones.
+struct Blow {
+  double momentum_kgmps = 0;  ///< What there is to share.
+  double moving_kg = 0;       ///< Mass of everything on the way here that it moves along.
+
+  /// The fastest that it can make a body: momentum over the mass of all that moves together, and
+  /// (1 + e) times that if it bounces off.
+  double speed_mps(double struck_kg, double restitution) const {
+    return (1 + restitution) * momentum_kgmps / (moving_kg + struck_kg);
+  }
+};
+
+/// Fills `expected_mps` (by index in `hosted`): the fastest that each body may soon move, by itself
+/// or because of a blow; 0 for what rests and will not be struck.
+///
+/// A blow begins where an aura of something that moves, ours or another server's, meets a body. From
+/// there it goes through contacts, as an impulse does: a ball into a row of ten moves all ten within
+/// five steps. Along a row nothing is lost, but all that is pushed shares the momentum; where a body
+/// touches several others, each gets its share (twice an even one: force chains are uneven), so
+/// that a ball on a heap moves what is near it and not the whole heap.
+class BlowForecast {
+ public:
+  /// `boxes` are the auras of `hosted` by their own motion, in `grid`. `moving_mps` is each body's
+  /// own speed, negative for one that rests. `disturbed`: whether the body meets anything on its way,
+  /// ours or another server's, so that it may go on in any direction.
+  void compute(const MigrationSituation& situation, std::span<const double> moving_mps,
+               std::span<const AuraBox> boxes, const OverlapGrid& grid,
+               std::vector<double>& expected_mps, std::vector<bool>& disturbed);
+
+ private:
+  void strike(const HostedBody& struck, std::uint32_t index, const Blow& blow, double restitution,
+              std::vector<double>& expected_mps);
+  void pass_on(const MigrationSituation& situation, std::vector<double>& expected_mps);
+
+  std::vector<Blow> blows_;           ///< The hardest that each body may take.
+  std::vector<std::uint32_t> front_;  ///< Bodies whose blow has not been passed on yet.
+  std::vector<std::uint32_t> found_;
+  std::vector<BodyId> touched_;
+};
+
+}  // namespace aureole

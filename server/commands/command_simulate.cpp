@@ -1,0 +1,231 @@
+// `aureole simulate`: many seeds of the fault simulation, judged by every rule, with a replay line
+// for each one that fails.
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "server/commands/commands.h"
+#include "server/experiment/seed_processes.h"
+#include "server/experiment/simulation.h"
+
+namespace aureole {
+namespace {
+
+struct SimulateOptions {
+  std::string layout = "corner4", mode = "adaptive", faults = "none", json;
+  int seeds = 10;
+  std::uint64_t first_seed = 1;
+  double seconds = 20, latency_ms = 2, jitter_ms = 1;
+  int bodies = 300;
+  bool check_repeatable = false;
+  int jobs = 0;
+  double limit_s = 600;
+};
+
+SimulationOptions of_seed(const SimulateOptions& o, std::uint64_t seed) {
+  SimulationOptions options;
+  options.scenario = {o.layout, *migration_mode_from(o.mode), seed, o.seconds, o.bodies};
+  options.network = {static_cast<Micros>(o.latency_ms * 1000),
+                     static_cast<Micros>(o.jitter_ms * 1000)};
+  options.faults = *fault_kinds_from(o.faults);
+  return options;
+}
+
+std::string replay_line(const SimulateOptions& o, std::uint64_t seed) {
+  return fmt::format(
+      "aureole simulate --layout {} --mode {} --seeds 1 --seed {} --seconds {} --latency-ms {} "
+      "--jitter-ms {} --faults {} --bodies {}{}",
+      o.layout, o.mode, seed, o.seconds, o.latency_ms, o.jitter_ms, o.faults, o.bodies,
+      o.check_repeatable ? " --check-repeatable" : "");
+}
+
+/// A line on stderr: rewritten in place on a terminal, every 10 s elsewhere.
+class Progress {
+ public:
+  explicit Progress(int seeds) : seeds_(seeds), terminal_(::isatty(STDERR_FILENO) == 1) {}
+  void show(const RunTotals& totals) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - shown_ < (terminal_ ? std::chrono::milliseconds(500) : std::chrono::seconds(10)))
+      return;
+    shown_ = now;
+    fmt::print(stderr, "{}{} of {} seeds, {} failed{}", terminal_ ? "\r" : "", totals.seeds, seeds_,
+               totals.failed_seeds, terminal_ ? "" : "\n");
+    std::fflush(stderr);
+  }
+  void end() const {
+    if (terminal_) fmt::print(stderr, "\r\x1b[K");
+  }
+
+ private:
+  int seeds_;
+  bool terminal_;
+  std::chrono::steady_clock::time_point shown_ = std::chrono::steady_clock::now();
+};
+
+/// What is known of all seeds so far, and the words about those that failed.
+struct Report {
+  const SimulateOptions& options;
+  RunTotals totals;
+  nlohmann::json seeds = nlohmann::json::array(), failures = nlohmann::json::array();
+  std::map<std::uint64_t, std::uint64_t> hashes;  ///< Of seeds whose second run is still out.
+
+  void fail(std::uint64_t seed, const std::string& scenario,
+            const std::vector<Violation>& violations) {
+    nlohmann::json list = nlohmann::json::array();
+    fmt::print("seed {} ({}) broke rules:\n", seed, scenario);
+    for (const Violation& v : violations) {
+      fmt::print("  {} at tick {}: {}\n", v.rule, v.tick, v.what);
+      list.push_back({{"rule", v.rule}, {"tick", v.tick}, {"what", v.what}});
+    }
+    fmt::print("  replay: {}\n", replay_line(options, seed));
+    failures.push_back({{"seed", seed},
+                        {"scenario", scenario},
+                        {"violations", list},
+                        {"replay", replay_line(options, seed)}});
+  }
+
+  void ended_early(std::uint64_t seed, const std::string& how) {
+    ++totals.seeds;
+    ++totals.failed_seeds;
+    ++totals.ended_early;
+    fail(seed, "ended early", {{"ended early", 0, "the run " + how}});
+  }
+
+  void take(std::uint64_t seed, const ChildOutcome& outcome, bool again) {
+    if (!outcome.ended_well) return again ? mismatch(seed, 0) : ended_early(seed, outcome.how);
+    const auto json = nlohmann::json::parse(outcome.output, nullptr, false);
+    if (json.is_discarded()) return ended_early(seed, "said nothing that can be read");
+    if (json.contains("error")) return ended_early(seed, json["error"].get<std::string>());
+    const auto result = seed_result_from(json);
+    if (!result) return ended_early(seed, result.error().message);
+    if (options.check_repeatable) {
+      const auto [first, fresh] = hashes.try_emplace(seed, result->hash);
+      if (!fresh && first->second != result->hash) mismatch(seed, result->hash);
+    }
+    if (again) return;
+    totals.add(*result);
+    seeds.push_back({{"seed", seed},
+                     {"scenario", result->scenario},
+                     {"hash", result->hash},
+                     {"failed", !result->all_rules_held()},
+                     {"cpu_s", result->cpu_s}});
+    if (!result->all_rules_held()) fail(seed, result->scenario, result->violations);
+  }
+
+  void mismatch(std::uint64_t seed, std::uint64_t hash) {
+    ++totals.hash_mismatches;
+    fail(seed, "run twice",
+         {{"repeatable", 0,
+           fmt::format("the second run's hash is {:016x}, not the first one's", hash)}});
+  }
+
+  bool all_held() const { return totals.failed_seeds == 0 && totals.hash_mismatches == 0; }
+};
+
+void print_totals(const nlohmann::json& totals) {
+  for (const auto& [name, value] : totals.items())
+    if (value.is_number_float())
+      fmt::print("  {:<36} {:.3f}\n", name, value.get<double>());
+    else
+      fmt::print("  {:<36} {}\n", name, value.dump());
+}
+
+int simulate_all(SimulateOptions o) {
+  if (o.jitter_ms > o.latency_ms)
+    return complain(exit_usage,
+                    "--jitter-ms must not be more than --latency-ms, of which it is a "
+                    "part");
+  if (auto scenario = make_scenario(of_seed(o, o.first_seed).scenario); !scenario)
+    return complain(exit_usage, scenario.error().message);
+  if (o.jobs == 0) o.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  const int runs = o.check_repeatable ? 2 : 1;
+  const auto seed_of = [&](int i) { return o.first_seed + static_cast<std::uint64_t>(i / runs); };
+
+  Report report{o, {}, nlohmann::json::array(), nlohmann::json::array(), {}};
+  Progress progress(o.seeds);
+  run_in_processes(
+      {o.seeds * runs, o.jobs, o.limit_s},
+      [&](int i) {
+        const auto result = simulate(of_seed(o, seed_of(i)));
+        if (!result) return nlohmann::json{{"error", result.error().message}}.dump();
+        return to_json(*result).dump();
+      },
+      [&](int i, const ChildOutcome& outcome) {
+        progress.end();
+        report.take(seed_of(i), outcome, i % runs > 0);
+      },
+      [&] { progress.show(report.totals); });
+  progress.end();
+
+  const nlohmann::json totals = report.totals.to_json();
+  fmt::print("{} {}, {} seeds from {}, {} s, {} ms, faults {}:\n", o.layout, o.mode, o.seeds,
+             o.first_seed, o.seconds, o.latency_ms, o.faults);
+  print_totals(totals);
+  if (!o.json.empty()) {
+    nlohmann::json all = totals;
+    all["layout"] = o.layout;
+    all["mode"] = o.mode;
+    all["faults"] = o.faults;
+    all["per_seed"] = report.seeds;
+    all["failures"] = report.failures;
+    std::ofstream file(o.json);
+    file << all.dump(2) << '\n';
+    if (!file) return complain(exit_failed, fmt::format("cannot write {}", o.json));
+  }
+  return report.all_held() ? exit_ok : exit_failed;
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand(
+      "simulate",
+      "Runs region cores under virtual time, a simulated network and faults, and judges every "
+      "tick.");
+  const auto o = std::make_shared<SimulateOptions>();
+  command
+      ->add_option("--layout", o->layout,
+                   "column4, corner3, corner4, corner9, or a world file or its shipped name")
+      ->capture_default_str();
+  command->add_option("--mode", o->mode, "Which bodies are hosted where")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"naive", "paper", "adaptive"}));
+  command->add_option("--seeds", o->seeds, "How many seeds")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1'000'000));
+  command->add_option("--seed", o->first_seed, "The first one")->capture_default_str();
+  command->add_option("--seconds", o->seconds, "World time of each; faults stop at 60 % of it")
+      ->capture_default_str()
+      ->check(CLI::Range(0.5, 3600.0));
+  command->add_option("--latency-ms", o->latency_ms, "Longest time of an undisturbed message")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1000.0));
+  command->add_option("--jitter-ms", o->jitter_ms, "It takes this much less at most")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1000.0));
+  command->add_option("--faults", o->faults, "What goes wrong")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"none", "links", "crashes", "all"}));
+  command->add_option("--bodies", o->bodies, "Bodies of a built-in layout, about")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 20'000));
+  command->add_option("--json", o->json, "Write totals and failures to this file");
+  command->add_flag("--check-repeatable", o->check_repeatable,
+                    "Run each seed twice and compare their hashes");
+  command->add_option("--jobs", o->jobs, "Processes at a time (0: as many as cores)")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 1024));
+  command->add_option("--limit-s", o->limit_s, "A seed that takes longer has failed")
+      ->capture_default_str()
+      ->check(CLI::Range(1.0, 86'400.0));
+  command->callback([o, &exit_code] { exit_code = simulate_all(*o); });
+}
+
+}  // namespace aureole

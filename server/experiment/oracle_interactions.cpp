@@ -1,0 +1,190 @@
+// Broad phase on an own grid, then real shapes, then the question of what excuses a pair.
+#include "server/experiment/oracle_interactions.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace aureole {
+namespace {
+
+constexpr std::size_t told_max = 4;
+
+bool moves(const SeenBody& b) {
+  return b.state.activation != Activation::asleep;
+}
+
+}  // namespace
+
+InteractionOracle::InteractionOracle(const WorldDefinition& world,
+                                     const ToleranceRecord& tolerances,
+                                     const OwnershipOracle& ownership)
+    : world_(world), tolerances_(tolerances), ownership_(ownership), shapes_(world) {}
+
+void InteractionOracle::look(Tick tick, const std::vector<SeenBody>& bodies) {
+  follow(tick, bodies);
+  const bool one_owner = std::all_of(bodies.begin(), bodies.end(), [&](const SeenBody& b) {
+    return b.owner == bodies.front().owner;
+  });
+  if (!one_owner) {
+    boxes_.clear();
+    for (const SeenBody& b : bodies) {
+      AuraBox& box = boxes_.emplace_back();
+      box.centre = b.state.position.vector();
+      // Half of a tick's way to each side would do; a whole one is as easy and safer.
+      const double reach =
+          shapes_.bounding_radius(b.prototype) + b.state.linear_velocity.norm() * tick_s;
+      box.half.setConstant(reach);
+    }
+    grid_.build(boxes_);
+    std::vector<std::uint32_t> found;
+    for (std::uint32_t i = 0; i < bodies.size(); ++i) {
+      found.clear();
+      grid_.find(boxes_[i], found);
+      for (std::uint32_t j : found)
+        if (j > i && bodies[j].owner != bodies[i].owner) look_at_pair(tick, bodies[i], bodies[j]);
+    }
+  }
+  // What was not seen to overlap in this tick has separated, or is on one server again.
+  std::erase_if(overlaps_, [&](const auto& o) { return o.second.seen < tick; });
+  for (const SeenBody& b : bodies) {
+    Track& track = tracks_[b.id];
+    track.last = b;
+    track.seen = tick;
+  }
+}
+
+void InteractionOracle::follow(Tick tick, const std::vector<SeenBody>& bodies) {
+  for (const SeenBody& b : bodies) {
+    Track& track = tracks_[b.id];
+    track.outside = std::max(track.outside, tolerances_.server(b.owner));
+    if (b.state.linear_velocity.norm() > world_.tolerances.speed_mps) track.outside = tick;
+    const bool known = track.last.id == b.id;
+    if (known && track.last.owner != b.owner) {
+      track.outside = std::max({track.outside, tolerances_.link(track.last.owner, b.owner),
+                                tolerances_.server(track.last.owner)});
+      // Nobody simulated it for longer than a flight takes.
+      if (tick - track.seen > WorldView::flight_ticks_max) track.outside = tick;
+    }
+  }
+}
+
+bool InteractionOracle::was_apart(Tick tick, const SeenBody& a, const SeenBody& b) const {
+  const Track &ta = tracks_.at(a.id), &tb = tracks_.at(b.id);
+  return ta.seen == tick - 1 && tb.seen == tick - 1 && ta.last.owner != tb.last.owner;
+}
+
+void InteractionOracle::look_at_pair(Tick tick, const SeenBody& a, const SeenBody& b) {
+  const double bound = shapes_.bounding_radius(a.prototype) + shapes_.bounding_radius(b.prototype);
+  const double away = distance(a.state.position, b.state.position);
+  double depth = away < bound ? -shapes_.separation(a, b) : -1;
+  depth -= a.uncertainty_m + b.uncertainty_m;
+  const Pair pair(a.id, b.id);
+  if (depth <= slop_m) {
+    if (depth > 0 || !moves(a) || !moves(b)) {
+      // Still touching: a pair that counted does not count again until there is air between them.
+      if (const auto it = overlaps_.find(pair); it != overlaps_.end() && depth > 0)
+        it->second.seen = tick;
+    }
+    if (depth <= 0 && passed_through(tick, a, b)) {
+      Overlap& overlap = overlaps_[pair];
+      overlap.seen = tick;
+      count(tick, a, b, overlap, 0, "went through");
+    }
+    return;
+  }
+  const auto [it, fresh] = overlaps_.try_emplace(pair);
+  Overlap& overlap = it->second;
+  overlap.seen = tick;
+  if (fresh) {
+    const Track &ta = tracks_.at(a.id), &tb = tracks_.at(b.id);
+    const bool were_together = ta.last.id == a.id && tb.last.id == b.id &&
+                               ta.last.owner == tb.last.owner && tick - ta.seen <= 2 &&
+                               tick - tb.seen <= 2;
+    if (were_together) overlap.brought_m = depth;
+    overlap.at_birth = is_newborn(a.id, tick) || is_newborn(b.id, tick);
+  }
+  if (depth > overlap.brought_m + slop_m) count(tick, a, b, overlap, depth, "overlaps");
+}
+
+void InteractionOracle::count(Tick tick, const SeenBody& a, const SeenBody& b, Overlap& overlap,
+                              double depth_m, const char* how) {
+  if (overlap.at_birth) {
+    if (!overlap.counted) ++at_birth_;
+    overlap.counted = true;
+    return;
+  }
+  if (!overlap.counted) ++missed_;
+  overlap.counted = true;
+  if (overlap.counted_in_tolerance || is_excused(tick, a, b)) return;
+  overlap.counted_in_tolerance = true;
+  ++missed_in_tolerance_;
+  if (violations_.size() >= told_max) return;
+  const WorldPosition& at = a.state.position;
+  violations_.push_back(
+      {"missed", tick.value,
+       fmt::format("{} on r{} {} {} on r{} by {:.0f} mm at ({:.2f}, {:.2f}, {:.2f}), speeds {:.1f} "
+                   "and {:.1f} m/s{}{}",
+                   describe(a.id), a.owner.value, how, describe(b.id), b.owner.value,
+                   depth_m * 1000, at.x, at.y, at.z, a.state.linear_velocity.norm(),
+                   b.state.linear_velocity.norm(), moves(a) ? "" : ", the first asleep",
+                   moves(b) ? "" : ", the second asleep")});
+}
+
+bool InteractionOracle::passed_through(Tick tick, const SeenBody& a, const SeenBody& b) const {
+  if (!was_apart(tick, a, b)) return false;
+  const Track &ta = tracks_.at(a.id), &tb = tracks_.at(b.id);
+  const Eigen::Vector3d before = ta.last.state.position.vector() - tb.last.state.position.vector();
+  const Eigen::Vector3d after = a.state.position.vector() - b.state.position.vector();
+  // Only what came from one side and is on the other now.
+  if (before.dot(after) >= 0) return false;
+  constexpr int pieces = 8;
+  for (int k = 1; k < pieces; ++k) {
+    const double share = static_cast<double>(k) / pieces;
+    const auto between = [&](const SeenBody& from, const SeenBody& to) {
+      SeenBody body = to;
+      const Eigen::Vector3d p = from.state.position.vector();
+      body.state.position =
+          WorldPosition::from(Eigen::Vector3d(p + (to.state.position.vector() - p) * share));
+      body.state.orientation =
+          from.state.orientation.slerp(static_cast<float>(share), to.state.orientation);
+      return body;
+    };
+    if (shapes_.separation(between(ta.last, a), between(tb.last, b)) < -slop_m)
+      return shapes_.collide_in_one_step(ta.last, tb.last);
+  }
+  return false;
+}
+
+bool InteractionOracle::is_excused(Tick tick, const SeenBody& a, const SeenBody& b) const {
+  const Tick outside =
+      std::max({tracks_.at(a.id).outside, tracks_.at(b.id).outside, tolerances_.server(a.owner),
+                tolerances_.server(b.owner), tolerances_.link(a.owner, b.owner)});
+  return tolerances_.excuses(outside, tick);
+}
+
+bool InteractionOracle::is_newborn(BodyId id, Tick tick) const {
+  const auto born = ownership_.born(id);
+  return born && id.kind() == BodyId::Kind::injected &&
+         tick - *born <= ToleranceRecord::flight_ticks(world_.tolerances);
+}
+
+void InteractionOracle::stand_ins_struck(RegionId region, Tick tick, std::uint64_t count) {
+  struck_ += count;
+  missed_ += count;
+  if (tolerances_.excuses(tolerances_.anything_at(region), tick)) return;
+  missed_in_tolerance_ += count;
+  if (violations_.size() < told_max)
+    violations_.push_back({"missed", tick.value,
+                           fmt::format("{} stand-ins on r{} were struck", count, region.value)});
+}
+
+void InteractionOracle::report(SeedResult& result) const {
+  result.missed_interactions = missed_;
+  result.missed_interactions_in_tolerance = missed_in_tolerance_;
+  result.missed_at_birth = at_birth_;
+  result.struck_stand_ins = struck_;
+  result.violations.insert(result.violations.end(), violations_.begin(), violations_.end());
+}
+
+}  // namespace aureole

@@ -1,0 +1,90 @@
+// Rules 1, 2 and 4: each body is simulated by one server, none is lost, none changes owner all the
+// time.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "server/experiment/seed_result.h"
+#include "server/experiment/simulated_server.h"
+#include "server/experiment/world_view.h"
+
+namespace aureole {
+
+/// Keeps a ledger of every body from the differences between one step and the next of each server:
+/// a body that a server hosts and did not before has come to it, and may be hosted by nobody else.
+/// A body that is gone has left in a handoff, or was removed on purpose (the core's count says how
+/// many), or is missing.
+///
+/// Missing bodies are not lost yet: they may be in a journal, in a group that waits, frozen in a
+/// region that recovers, on a disk. They are lost if they are missing at the end of the run, or for
+/// 5 s while every region runs and no journal holds them. A body that was born less than 100 ms
+/// before its server was killed may be gone (nobody else had seen it, no snapshot holds it): that
+/// is a rollback; likewise one that was removed just before may be back.
+class OwnershipOracle {
+ public:
+  OwnershipOracle(const WorldDefinition& world, std::size_t regions);
+
+  /// After each step. Returns what left in it.
+  std::vector<Departure> stepped(const SimulatedServer& server, Tick tick);
+  void crashed(RegionId region, Tick tick);
+  /// Once a tick; `all_run`: no region is down or recovering.
+  void look(Tick tick, std::span<const SimulatedServer> servers, bool all_run);
+  void at_end(Tick tick, std::span<const SimulatedServer> servers);
+
+  void report(SeedResult& result) const;
+  std::vector<Violation> violations() const { return violations_; }
+  /// When it first came into the world.
+  std::optional<Tick> born(BodyId id) const;
+  /// Changes of owner at or after this tick.
+  std::uint64_t changes_since(Tick tick) const;
+
+  static constexpr std::int64_t changes_per_s_max = 2;
+  static constexpr std::int64_t missing_ticks_max = ticks_from_ms(5000);
+  static constexpr std::int64_t rollback_ticks = ticks_from_ms(100) + 1;
+  /// Changes of owner that a restarted region causes for so long are recovery.
+  static constexpr std::int64_t recovery_ticks = ticks_from_ms(3000);
+
+ private:
+  struct Record {
+    std::optional<RegionId> owner;
+    RegionId last_owner;
+    Incarnation last_incarnation;
+    Tick born;
+    Tick missing_since;
+    std::vector<Tick> changes;
+    bool removed = false, may_return = false, may_vanish = false, lost = false;
+    RegionId removed_by;
+    Tick removed_at;
+  };
+  struct Server {
+    std::vector<BodyId> hosted;
+    Incarnation incarnation;
+    Tick started;
+    Hosting::Counts counts;
+    std::uint64_t conflicts = 0;
+  };
+  void gained(BodyId id, const SimulatedServer& server, Tick tick);
+  void change_owner(BodyId id, Record& record, Tick tick);
+  bool in_a_journal(BodyId id, std::span<const SimulatedServer> servers) const;
+  void lose(BodyId id, Record& record, Tick tick, const std::string& how);
+  void violate(const std::string& rule, Tick tick, std::string what);
+
+  const WorldDefinition& world_;
+  std::vector<Server> servers_;
+  std::map<BodyId, Record> bodies_;
+  std::set<BodyId> missing_;
+  std::vector<Violation> violations_;
+  std::map<std::string, int> told_;
+  std::deque<Tick> recent_changes_;
+  std::uint64_t duplicated_ = 0, lost_ = 0, rolled_back_ = 0, migrations_ = 0, conflicts_ = 0;
+  std::uint64_t changes_max_ = 0, largest_ = 0;
+};
+
+/// "world body 12", "injected body 3 of 0", "avatar 2", "thrown body 4 of player 1".
+std::string describe(BodyId id);
+
+}  // namespace aureole

@@ -1,0 +1,140 @@
+// The shell's loop in virtual time.
+#include "server/experiment/simulated_server.h"
+
+#include <algorithm>
+#include <set>
+
+#include "server/base/check.h"
+
+namespace aureole {
+namespace {
+
+constexpr int catch_up_steps_max = 2;
+constexpr std::int64_t behind_ticks_max = 8;
+constexpr std::size_t refusals_max = 8;
+
+}  // namespace
+
+SimulatedServer::SimulatedServer(const WorldDefinition& world, RegionId self, std::uint64_t seed)
+    : world_(world), self_(self), incarnation_(0), random_(seed, 100 + self.value) {}
+
+void SimulatedServer::start(SimulatedNetwork& network, Micros now) {
+  const bool again = incarnation_.value > 0;
+  incarnation_ = Incarnation{incarnation_.value + 1};
+  core_ = std::make_unique<RegionCore>(world_, self_, incarnation_);
+  if (again) {
+    const std::span<const std::byte> snapshot =
+        disk_.written ? std::span<const std::byte>(*disk_.written) : std::span<const std::byte>();
+    if (auto recovered = core_->recover(snapshot); !recovered && refusals_.size() < refusals_max)
+      refusals_.push_back("recover: " + recovered.error().message);
+  }
+  network.start(self_.value, incarnation_, now);
+  next_tick_ = Tick{std::max<std::int64_t>(1, now / tick_us + 1)};
+  wakes_at_us_ = next_tick_.value * tick_us;
+  last_frame_ms_ = 0;
+}
+
+void SimulatedServer::crash(SimulatedNetwork& network, Micros now, bool lose_disk) {
+  core_.reset();
+  disk_.writing.reset();
+  if (lose_disk) disk_ = {};
+  slow_until_us_ = 0;
+  network.kill(self_.value, now);
+}
+
+void SimulatedServer::slow_down(double frame_ms, Micros until) {
+  slow_frame_ms_ = frame_ms;
+  slow_until_us_ = until;
+}
+
+double SimulatedServer::draw_frame_ms(Micros at) {
+  if (at < slow_until_us_) return slow_frame_ms_ * random_.between(0.9, 1.1);
+  // Mostly short; now and then nearly all that the tolerance of 15 ms allows.
+  return random_.chance(0.05) ? random_.between(6, 14) : random_.between(1, 5);
+}
+
+void SimulatedServer::wake(SimulatedNetwork& network, Micros now, const Observer& observer) {
+  AUREOLE_CHECK(core_ != nullptr, "only what runs wakes");
+  take_deliveries(network, now);
+  Micros at = now;
+  int steps = 0;
+  while (next_tick_.value <= at / tick_us && steps < catch_up_steps_max) {
+    step(network, at, observer);
+    at = step_ended_us_;
+    ++steps;
+  }
+  if (const std::int64_t left_out = at / tick_us - next_tick_.value; left_out > behind_ticks_max) {
+    skipped_ticks_ += static_cast<std::uint64_t>(left_out);
+    next_tick_ = next_tick_ + left_out;
+  }
+  const Micros earliest = steps == catch_up_steps_max ? now + tick_us : at;
+  wakes_at_us_ = std::max({earliest, at, next_tick_.value * tick_us});
+}
+
+void SimulatedServer::take_deliveries(SimulatedNetwork& network, Micros now) {
+  std::set<End> closed;
+  for (Delivery& delivery : network.take(self_.value, now)) {
+    const bool gateway = static_cast<std::size_t>(delivery.from) == world_.regions.size();
+    const PeerId peer =
+        gateway ? PeerId::gateway(0) : PeerId{static_cast<std::uint16_t>(delivery.from)};
+    switch (delivery.kind) {
+      case Delivery::Kind::up:
+        core_->peer_up(peer, delivery.incarnation);
+        break;
+      case Delivery::Kind::down:
+        core_->peer_down(peer);
+        break;
+      case Delivery::Kind::measured:
+        core_->link_measured(peer.as_region(), delivery.latency_ms);
+        break;
+      case Delivery::Kind::frame: {
+        if (closed.contains(delivery.from)) break;
+        const auto frame = decode_frame(*delivery.frame);
+        Status taken = frame ? core_->receive(peer, *frame) : Status(frame.error());
+        if (taken) break;
+        if (refusals_.size() < refusals_max)
+          refusals_.push_back(fmt::format("from {}: {}", delivery.from, taken.error().message));
+        // A refused message ends its link.
+        network.reset(self_.value, delivery.from, now, tick_us);
+        closed.insert(delivery.from);
+        break;
+      }
+    }
+  }
+}
+
+void SimulatedServer::step(SimulatedNetwork& network, Micros at, const Observer& observer) {
+  finish_write();
+  ShellMeasurements measured;
+  measured.last_frame_ms = last_frame_ms_;
+  measured.skipped_ticks = skipped_ticks_;
+  core_->step(next_tick_, measured);
+  last_frame_ms_ = draw_frame_ms(at);
+  step_ended_us_ = at + static_cast<Micros>(last_frame_ms_ * 1000);
+  for (const Outgoing& out : core_->outbox()) {
+    const End to = out.to.is_region() ? out.to.value : static_cast<End>(world_.regions.size());
+    network.send(self_.value, to, out.frame, step_ended_us_);
+  }
+  write_disk(next_tick_);
+  observer(*this, {next_tick_, at, step_ended_us_});
+  next_tick_ = next_tick_ + 1;
+}
+
+void SimulatedServer::write_disk(Tick tick) {
+  auto due = core_->snapshot_due();
+  if (!due || due == disk_.written) return;
+  disk_.writing = std::move(due);
+  disk_.writing_tick = tick;
+  // Half of the writes are over at once, the others when the next step begins: a crash in between
+  // finds the snapshot before.
+  if (random_.chance(0.5)) finish_write();
+}
+
+void SimulatedServer::finish_write() {
+  if (!disk_.writing) return;
+  disk_.written = std::move(disk_.writing);
+  disk_.writing.reset();
+  core_->snapshot_written(disk_.writing_tick);
+}
+
+}  // namespace aureole

@@ -1,0 +1,280 @@
+// The event loop of virtual time, and the end of a run.
+#include "server/experiment/simulation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+
+#include "server/base/hash.h"
+
+namespace aureole {
+namespace {
+
+/// Of a frame, its lateness included (T_F, section 3.3).
+constexpr Micros frame_limit_us = 15'000;
+/// Foreign-hosted shares count from here on, when there is something to share.
+constexpr std::size_t share_bodies_min = 50;
+/// In the last second of the run nothing may change owner any more.
+constexpr std::int64_t calm_ticks = 62;
+constexpr double home_hysteresis_allowed_m = 0.5;
+
+double cpu_now_s() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec) / 1e9;
+}
+
+}  // namespace
+
+Simulation::Simulation(Scenario scenario, const SimulationOptions& options)
+    : scenario_(std::move(scenario)),
+      options_(options),
+      end_{static_cast<std::int64_t>(options.scenario.seconds * 1e6) / tick_us},
+      network_(static_cast<int>(scenario_.world.regions.size()) + 1, options.network,
+               options.scenario.seed),
+      gateway_(scenario_.world, scenario_.world.regions.size()),
+      players_(scenario_.world, scenario_.players, options.scenario.seed),
+      map_(partition_of(scenario_.world)),
+      tolerances_(scenario_.world.regions.size(), scenario_.world.tolerances),
+      view_(scenario_.world.regions.size()),
+      ownership_(scenario_.world, scenario_.world.regions.size()),
+      interactions_(scenario_.world, tolerances_, ownership_),
+      shadow_(scenario_.world) {
+  const auto regions = static_cast<int>(scenario_.world.regions.size());
+  faults_until_us_ = static_cast<Micros>(faults_share * options.scenario.seconds * 1e6);
+  faults_ = plan_faults({options.faults, regions, faults_until_us_, options.scenario.seed});
+  struck_.assign(scenario_.world.regions.size(), 0);
+  events_ = struck_;
+  servers_.reserve(scenario_.world.regions.size());
+  for (std::uint16_t r = 0; r < regions; ++r)
+    servers_.emplace_back(scenario_.world, RegionId{r}, options.scenario.seed);
+  for (SimulatedServer& server : servers_) server.start(network_, 0);
+  gateway_.start(network_, 0);
+  result_.seed = options.scenario.seed;
+  result_.scenario = scenario_.kind;
+}
+
+Simulation::~Simulation() = default;
+
+SeedResult Simulation::run() {
+  const double cpu_before = cpu_now_s();
+  while (now_ < end_) tick();
+  const Tick latest = end_ + static_cast<std::int64_t>(calm_extension_s * 1e6) / tick_us;
+  while (now_ < latest && !all_rest()) tick();
+  // A second in which nothing may change owner any more.
+  for (std::int64_t n = 0; n < calm_ticks + 2; ++n) tick();
+  SeedResult result = finish();
+  result.cpu_s = cpu_now_s() - cpu_before;
+  return result;
+}
+
+void Simulation::tick() {
+  now_ = now_ + 1;
+  // Everything that begins in this tick's 16 ms, before the next tick's steps.
+  run_until((now_.value + 1) * tick_us - 1);
+  look();
+}
+
+void Simulation::run_until(Micros until) {
+  const auto observer = [this](SimulatedServer& server, const SimulatedServer::Step& step) {
+    after_step(server, step);
+  };
+  while (true) {
+    SimulatedServer* next = nullptr;
+    for (SimulatedServer& server : servers_)
+      if (server.runs() && (next == nullptr || server.wakes_at() < next->wakes_at()))
+        next = &server;
+    const Micros server_at = next != nullptr ? next->wakes_at() : never;
+    const Micros fault_at = next_fault_ < faults_.size() ? faults_[next_fault_].at_us : never;
+    Micros restart_at = never;
+    for (const Restart& r : restarts_) restart_at = std::min(restart_at, r.at_us);
+    const Micros at =
+        std::min({server_at, fault_at, restart_at, gateway_.wakes_at(), players_.wakes_at()});
+    if (at > until) return;
+    network_.advance(at);
+    if (fault_at == at || restart_at == at)
+      begin_faults(at);
+    else if (gateway_.wakes_at() == at)
+      gateway_.wake(network_, at);
+    else if (players_.wakes_at() == at)
+      players_.wake(network_, gateway_, at, at < faults_until_us_);
+    else
+      next->wake(network_, at, observer);
+  }
+}
+
+void Simulation::begin_faults(Micros now) {
+  for (std::size_t i = 0; i < restarts_.size(); ++i) {
+    if (restarts_[i].at_us > now) continue;
+    const End who = restarts_[i].who;
+    restarts_.erase(restarts_.begin() + static_cast<std::ptrdiff_t>(i--));
+    if (who == static_cast<End>(servers_.size())) {
+      gateway_.start(network_, now);
+      continue;
+    }
+    SimulatedServer& server = servers_[static_cast<std::size_t>(who)];
+    server.start(network_, now);
+    struck_[static_cast<std::size_t>(who)] = events_[static_cast<std::size_t>(who)] = 0;
+  }
+  for (; next_fault_ < faults_.size() && faults_[next_fault_].at_us <= now; ++next_fault_)
+    inject(faults_[next_fault_], now);
+}
+
+void Simulation::inject(const Fault& fault, Micros now) {
+  const auto ends = static_cast<End>(servers_.size());
+  switch (fault.kind) {
+    case Fault::Kind::stall:
+      network_.stall(fault.b, fault.a, now + fault.duration_us);
+      [[fallthrough]];
+    case Fault::Kind::stall_one_way:
+      network_.stall(fault.a, fault.b, now + fault.duration_us);
+      return;
+    case Fault::Kind::reset:
+      ++result_.resets;
+      return network_.reset(fault.a, fault.b, now, fault.duration_us);
+    case Fault::Kind::slow:
+      return servers_[static_cast<std::size_t>(fault.a)].slow_down(fault.frame_ms,
+                                                                   now + fault.duration_us);
+    case Fault::Kind::crash:
+      if (!network_.runs(fault.a)) return;
+      ++result_.crashes;
+      restarts_.push_back({now + fault.duration_us, fault.a});
+      if (fault.a == ends) return gateway_.crash(network_, now);
+      SimulatedServer& server = servers_[static_cast<std::size_t>(fault.a)];
+      const Tick gone = server.last_tick() + 1;
+      server.crash(network_, now, fault.loses_disk);
+      ownership_.crashed(server.self(), gone);
+      view_.gone(server.self(), gone);
+  }
+}
+
+bool Simulation::players_act(Micros now) const {
+  // A blast takes effect some ticks after it was wanted; half a second covers the way to it too.
+  return players_.last_deed_us() >= 0 && now - players_.last_deed_us() < 500'000;
+}
+
+void Simulation::after_step(SimulatedServer& server, const SimulatedServer::Step& step) {
+  const RegionId self = server.self();
+  const RegionCore& core = server.core();
+  const std::vector<Departure> departures = ownership_.stepped(server, step.tick);
+  view_.stepped(self, step.tick, core, departures);
+  shadow_.left(core, step.tick, departures, players_act(step.began_us));
+  shadow_.stepped(self, step.tick, core, players_act(step.began_us));
+  const Micros late_us = step.ended_us - step.tick.value * tick_us;
+  if (late_us > frame_limit_us || server.is_recovering())
+    tolerances_.server_outside(self, step.tick + late_us / tick_us);
+  tolerances_.take(self, core.tolerance_events());
+
+  const RegionStatistics statistics = core.statistics();
+  std::uint64_t& struck = struck_[self.value];
+  if (statistics.struck_stand_ins > struck)
+    interactions_.stand_ins_struck(self, step.tick, statistics.struck_stand_ins - struck);
+  struck = statistics.struck_stand_ins;
+  std::uint64_t& events = events_[self.value];
+  if (statistics.tolerance_events > events)
+    result_.tolerance_events += statistics.tolerance_events - events;
+  events = statistics.tolerance_events;
+  result_.stand_ins_max = std::max(result_.stand_ins_max, statistics.stand_ins);
+  result_.hash =
+      Hasher().add(result_.hash).add(std::uint64_t{self.value}).add(core.state_hash()).value();
+}
+
+void Simulation::note_tolerances(Micros now) {
+  const auto limit = static_cast<Micros>(scenario_.world.tolerances.latency_ms * 1000);
+  for (const SimulatedServer& a : servers_) {
+    if (!a.runs()) tolerances_.server_outside(a.self(), now_);
+    for (const SimulatedServer& b : servers_)
+      if (a.self() < b.self() && network_.is_disturbed(a.self().value, b.self().value, now, limit))
+        tolerances_.link_outside(a.self(), b.self(), now_);
+  }
+}
+
+void Simulation::look() {
+  ++result_.ticks;
+  note_tolerances((now_.value + 1) * tick_us - 1);
+  ownership_.look(now_, servers_, all_run());
+  const Tick seen_tick = now_ - WorldView::delay_ticks;
+  if (seen_tick.value < 1) return;
+  seen_ = view_.at(seen_tick);
+  interactions_.look(seen_tick, seen_);
+  if (seen_.size() < share_bodies_min) return;
+  const auto foreign = std::count_if(seen_.begin(), seen_.end(), [&](const SeenBody& b) {
+    return map_.region_at(b.state.position.x, b.state.position.z) != b.owner;
+  });
+  result_.foreign_hosted_share_max =
+      std::max(result_.foreign_hosted_share_max,
+               static_cast<double>(foreign) / static_cast<double>(seen_.size()));
+}
+
+bool Simulation::all_run() const {
+  return std::all_of(servers_.begin(), servers_.end(),
+                     [](const auto& s) { return s.runs() && !s.is_recovering(); });
+}
+
+bool Simulation::all_rest() const {
+  return all_run() && ownership_.changes_since(now_ - calm_ticks) == 0 &&
+         std::all_of(servers_.begin(), servers_.end(), [](const SimulatedServer& s) {
+           return s.core().physics().awake_count() == 0;
+         });
+}
+
+void Simulation::judge_rest() {
+  const Tick calm_since = now_ - calm_ticks;
+  for (const SimulatedServer& server : servers_) {
+    if (!server.runs()) continue;
+    const PhysicsWorld& physics = server.core().physics();
+    const Rectangle& home = map_.area(server.self());
+    for (BodyId id : physics.ids()) {
+      if (!physics.is_asleep(id)) {
+        ++result_.awake_at_end;
+        continue;
+      }
+      const WorldPosition at = physics.position(id);
+      const double away = home.distance(at.x, at.z);
+      if (scenario_.world.mode != MigrationMode::adaptive || away <= home_hysteresis_allowed_m)
+        continue;
+      if (result_.unsettled++ < 3)
+        result_.violations.push_back(
+            {"unsettled", now_.value,
+             fmt::format("{} sleeps on r{}, {:.2f} m outside of its region, at ({:.2f}, {:.2f})",
+                         describe(id), server.self().value, away, at.x, at.z)});
+    }
+  }
+  const std::uint64_t changes = ownership_.changes_since(calm_since);
+  if (result_.awake_at_end > 0 || changes == 0) return;
+  result_.unsettled += changes;
+  result_.violations.push_back(
+      {"unsettled", now_.value,
+       fmt::format("{} changes of owner in the last second although nothing moves", changes)});
+}
+
+SeedResult Simulation::finish() {
+  Tick last = now_;
+  for (const SimulatedServer& server : servers_) last = std::min(last, server.last_tick());
+  ownership_.at_end(last, servers_);
+  ownership_.report(result_);
+  interactions_.report(result_);
+  shadow_.report(result_);
+  judge_rest();
+  const auto refuse = [&](const std::string& who, const std::vector<std::string>& refusals) {
+    for (const std::string& refusal : refusals) {
+      if (result_.refused_messages++ < 3)
+        result_.violations.push_back(
+            {"refused", now_.value, who + " refused a message " + refusal});
+    }
+  };
+  for (const SimulatedServer& server : servers_)
+    refuse(fmt::format("r{}", server.self().value), server.refusals());
+  refuse("the gateway", gateway_.refusals());
+  return result_;
+}
+
+Result<SeedResult> simulate(const SimulationOptions& options) {
+  auto scenario = make_scenario(options.scenario);
+  if (!scenario) return scenario.error();
+  return Simulation(std::move(*scenario), options).run();
+}
+
+}  // namespace aureole

@@ -1,0 +1,98 @@
+// One seed: the production cores under a simulated network, faults first and calm afterwards, with
+// every rule looked at every tick.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/experiment/fault_plan.h"
+#include "server/experiment/handoff_shadow.h"
+#include "server/experiment/oracle_interactions.h"
+#include "server/experiment/oracle_ownership.h"
+#include "server/experiment/scenario.h"
+#include "server/experiment/seed_result.h"
+#include "server/experiment/simulated_gateway.h"
+#include "server/experiment/simulated_network.h"
+#include "server/experiment/simulated_players.h"
+#include "server/experiment/simulated_server.h"
+#include "server/experiment/tolerance_record.h"
+#include "server/experiment/world_view.h"
+
+namespace aureole {
+
+struct SimulationOptions {
+  ScenarioOptions scenario;
+  NetworkTiming network{2000, 1000};
+  FaultKinds faults = FaultKinds::none;
+};
+
+/// Runs a scenario to its end. Deterministic: the same options give the same hash.
+class Simulation {
+ public:
+  /// Faults stop at this share of the run's time; then everything must settle.
+  static constexpr double faults_share = 0.6;
+  /// After the run's time it waits so long (virtual) for everything to fall asleep.
+  static constexpr double calm_extension_s = 10;
+
+  Simulation(Scenario scenario, const SimulationOptions& options);
+  ~Simulation();
+
+  SeedResult run();
+
+  // For tests, which step through a scenario by themselves.
+  /// Takes the world on by a tick, with all that the oracles look at.
+  void tick();
+  Tick now() const { return now_; }
+  SimulatedServer& server(int region) { return servers_[static_cast<std::size_t>(region)]; }
+  SimulatedNetwork& network() { return network_; }
+  const InteractionOracle& interactions() const { return interactions_; }
+  const OwnershipOracle& ownership() const { return ownership_; }
+  const std::vector<SeenBody>& seen() const { return seen_; }
+  /// Judges the end and reports.
+  SeedResult finish();
+
+ private:
+  void run_until(Micros until);
+  void begin_faults(Micros now);
+  void inject(const Fault& fault, Micros now);
+  void after_step(SimulatedServer& server, const SimulatedServer::Step& step);
+  void note_tolerances(Micros now);
+  void look();
+  void judge_rest();
+  bool all_run() const;
+  bool all_rest() const;
+  bool players_act(Micros now) const;
+
+  Scenario scenario_;
+  SimulationOptions options_;
+  std::vector<Fault> faults_;
+  std::size_t next_fault_ = 0;
+  Micros faults_until_us_ = 0;
+  Tick end_;
+  SimulatedNetwork network_;
+  std::vector<SimulatedServer> servers_;
+  SimulatedGateway gateway_;
+  SimulatedPlayers players_;
+  struct Restart {
+    Micros at_us;
+    End who;
+  };
+  std::vector<Restart> restarts_;
+  PartitionMap map_;
+  ToleranceRecord tolerances_;
+  WorldView view_;
+  OwnershipOracle ownership_;
+  InteractionOracle interactions_;
+  HandoffShadow shadow_;
+  std::vector<SeenBody> seen_;                  ///< At the tick that was looked at last.
+  std::vector<std::uint64_t> struck_, events_;  ///< Of each server's present core.
+  SeedResult result_;
+  Tick now_;
+};
+
+/// Makes the scenario of the options and runs it. Errors: those of make_scenario.
+Result<SeedResult> simulate(const SimulationOptions& options);
+
+}  // namespace aureole

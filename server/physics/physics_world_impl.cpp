@@ -1,0 +1,115 @@
+// Keeping the lists of a PhysicsWorld in step with the Bullet world.
+#include "server/physics/physics_world_impl.h"
+
+#include <algorithm>
+
+#include "server/base/check.h"
+
+namespace aureole {
+namespace {
+
+bool by_ascending_id(const BulletBody* x, const BulletBody* y) {
+  return x->id < y->id;
+}
+
+}  // namespace
+
+void BodyList::merge(std::span<BulletBody* const> sorted) {
+  const auto middle = static_cast<std::ptrdiff_t>(ids.size());
+  for (BulletBody* body : sorted) {
+    ids.push_back(body->id);
+    bodies.push_back(body);
+  }
+  std::inplace_merge(ids.begin(), ids.begin() + middle, ids.end());
+  std::inplace_merge(bodies.begin(), bodies.begin() + middle, bodies.end(), by_ascending_id);
+}
+
+void BodyList::leave(std::span<BulletBody* const> sorted) {
+  // Both lists ascend: one walk takes the group out of either.
+  const auto walk = [&](auto& list, auto id_of) {
+    auto next = sorted.begin();
+    std::erase_if(list, [&](const auto& entry) {
+      if (next == sorted.end() || id_of(entry) != (*next)->id) return false;
+      ++next;
+      return true;
+    });
+  };
+  walk(ids, [](BodyId id) { return id; });
+  walk(bodies, [](const BulletBody* body) { return body->id; });
+}
+
+PhysicsWorld::Impl::Impl(const PhysicsSettings& settings, std::unique_ptr<ShapeLibrary> own,
+                         ShapeLibrary& library, std::size_t expected_bodies)
+    : own_shapes(std::move(own)), world(settings, library, expected_bodies) {
+  by_id.reserve(expected_bodies);
+}
+
+PhysicsWorld::Impl::~Impl() {
+  world.erase_all(bodies.bodies);
+  world.erase_all(stand_ins.bodies);
+}
+
+BulletBody* PhysicsWorld::Impl::find(BodyId id) const {
+  const auto found = by_id.find(id);
+  return found == by_id.end() ? nullptr : found->second.get();
+}
+
+BulletBody& PhysicsWorld::Impl::body(BodyId id) const {
+  BulletBody* found = find(id);
+  AUREOLE_CHECK(found && found->role != Role::stand_in, "the body is in this world");
+  return *found;
+}
+
+BulletBody& PhysicsWorld::Impl::stand_in(BodyId id) const {
+  BulletBody* found = find(id);
+  AUREOLE_CHECK(found && found->role == Role::stand_in, "the stand-in is in this world");
+  return *found;
+}
+
+BulletBody& PhysicsWorld::Impl::body_or_stand_in(BodyId id) const {
+  BulletBody* found = find(id);
+  AUREOLE_CHECK(found, "the body or stand-in is in this world");
+  return *found;
+}
+
+std::vector<BulletBody*> PhysicsWorld::Impl::group_of(std::span<const BodyId> group,
+                                                      BulletBody& (Impl::*get)(BodyId)
+                                                          const) const {
+  std::vector<BulletBody*> out;
+  out.reserve(group.size());
+  for (BodyId id : group) out.push_back(&(this->*get)(id));
+  std::sort(out.begin(), out.end(), by_ascending_id);
+  AUREOLE_CHECK(std::adjacent_find(out.begin(), out.end()) == out.end(),
+                "a group names each body once");
+  return out;
+}
+
+BulletBody* PhysicsWorld::Impl::create(const NewBody& body, Role role) {
+  const auto [place, fresh] = by_id.try_emplace(body.id);
+  AUREOLE_CHECK(fresh, "a body is added once");
+  place->second = world.make_body(body, role);
+  world.insert(*place->second);
+  return place->second.get();
+}
+
+void PhysicsWorld::Impl::destroy(BodyList& list, std::span<BulletBody* const> sorted, Wake wake) {
+  if (sorted.empty()) return;
+  world.erase(sorted, wake);
+  list.leave(sorted);
+  for (BulletBody* body : sorted) by_id.erase(body->id);
+  changed();
+}
+
+void PhysicsWorld::Impl::changed() {
+  awake.reset();
+  graph_is_current = false;
+}
+
+std::vector<NewBody> sorted_by_id(std::span<const NewBody> bodies) {
+  std::vector<NewBody> sorted(bodies.begin(), bodies.end());
+  std::sort(sorted.begin(), sorted.end(),
+            [](const NewBody& x, const NewBody& y) { return x.id < y.id; });
+  return sorted;
+}
+
+}  // namespace aureole

@@ -1,0 +1,46 @@
+// Loads of stand-ins against their base.
+#include "server/region/stand_ins/stand_in_watch.h"
+
+#include <algorithm>
+
+namespace aureole {
+namespace {
+
+/// Contacts flicker: a pair that is gone for longer begins anew.
+constexpr std::int64_t absent_ticks = 8;
+
+}  // namespace
+
+void StandInWatch::judge(const StandInLoad& load, Tick now, bool still, double mass_kg) {
+  const auto [at, fresh] = pairs_.try_emplace({load.stand_in, load.body});
+  Pair& pair = at->second;
+  if (fresh) {
+    pair.first = now;
+    pair.cut_at_rest = still;
+  }
+  pair.last = now;
+  if (pair.cut_at_rest && now - pair.first < settling_ticks) {
+    pair.base_ns = std::max(pair.base_ns, load.impulse_ns);
+    return;
+  }
+  const double rise_mps = double{load.impulse_ns - pair.base_ns} / mass_kg;
+  if (rise_mps <= missed_mps * pressed_share) return;
+  pressed_[load.body] = now + pressed_ticks;
+  if (rise_mps <= missed_mps || pair.struck) return;
+  pair.struck = true;
+  ++struck_;
+  fprintf(stderr, "STRUCK t %lld stand-in %llx body %llx rise %.3f base %.3f cutrest %d first %lld\n", (long long)now.value,(unsigned long long)load.stand_in.value,(unsigned long long)load.body.value,rise_mps,pair.base_ns,pair.cut_at_rest,(long long)pair.first.value);
+  last_struck_ = {load.stand_in, load.body, now, rise_mps};
+}
+
+void StandInWatch::forget(Tick now) {
+  std::erase_if(pairs_, [&](const auto& p) { return now - p.second.last > absent_ticks; });
+  std::erase_if(pressed_, [&](const auto& p) { return p.second < now; });
+}
+
+bool StandInWatch::is_pressed(BodyId body, Tick now) const {
+  const auto at = pressed_.find(body);
+  return at != pressed_.end() && at->second >= now;
+}
+
+}  // namespace aureole

@@ -1,0 +1,68 @@
+// Catches stand-ins that take a blow: an interaction that should have brought both sides together.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "server/base/ids.h"
+#include "server/base/tick.h"
+#include "server/physics/physics_world.h"
+
+namespace aureole {
+
+/// A stand-in that is struck swallows the impulse without any overlap, so that overlap alone would
+/// not show it. What tells is its load: the impulse of one step between it and a body of ours. What
+/// a resting body put on it when the two were cut is the base; a rise above that by more than the
+/// stand-in's mass × `missed_mps` is a missed interaction.
+class StandInWatch {
+ public:
+  static constexpr double missed_mps = 0.05;
+  /// A pair that rises by this share of it already counts as moving, and is brought together.
+  static constexpr double pressed_share = 0.5;
+  /// Of a pair that rests: how long its load may find its level after the cut.
+  static constexpr std::int64_t settling_ticks = 16;
+  static constexpr std::int64_t pressed_ticks = 32;
+
+  /// `still`: whether the body on our side lies still; `mass_kg` of the stand-in's prototype.
+  template <class IsStill, class MassOf>
+  void look(const PhysicsWorld& physics, Tick now, IsStill&& still, MassOf&& mass_kg) {
+    loads_.clear();
+    if (!physics.stand_in_ids().empty()) physics.stand_in_loads(loads_);
+    for (const StandInLoad& load : loads_)
+      judge(load, now, still(load.body), mass_kg(load.stand_in));
+    forget(now);
+  }
+
+  /// Whether the body has lately leant harder on a stand-in than when they were cut.
+  bool is_pressed(BodyId body, Tick now) const;
+  /// Pairs that rose above the limit so far.
+  std::uint64_t struck() const { return struck_; }
+  /// The last of them, for reports.
+  struct Struck {
+    BodyId stand_in, body;
+    Tick tick;
+    double rise_mps = 0;
+  };
+  const Struck& last_struck() const { return last_struck_; }
+
+ private:
+  struct Pair {
+    Tick first, last;
+    bool cut_at_rest = false;
+    bool struck = false;
+    float base_ns = 0;
+  };
+  void judge(const StandInLoad& load, Tick now, bool still, double mass_kg);
+  void forget(Tick now);
+
+  std::vector<StandInLoad> loads_;
+  std::map<std::pair<BodyId, BodyId>, Pair> pairs_;
+  std::map<BodyId, Tick> pressed_;  ///< Until when.
+  std::uint64_t struck_ = 0;
+  Struck last_struck_;
+};
+
+}  // namespace aureole

@@ -1,0 +1,78 @@
+// Putting stand-ins up and taking them down.
+#include "server/region/stand_ins/stand_ins.h"
+
+namespace aureole {
+namespace {
+
+bool same_pose(const BodyState& a, const BodyState& b) {
+  return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
+}
+
+}  // namespace
+
+void StandIns::put(const NewBody& body, const Entry& entry) {
+  entries_[body.id] = entry;
+  const bool other_thing =
+      physics_.is_stand_in(body.id) && physics_.stand_in(body.id).prototype != body.prototype;
+  if (other_thing) physics_.remove_stand_ins(std::span(&body.id, 1), Wake::touching);
+  // Put up anew, it would lose the contacts that others have with it.
+  if (physics_.is_stand_in(body.id) && same_pose(physics_.stand_in(body.id).state, body.state))
+    return;
+  physics_.add_stand_ins(std::span(&body, 1));
+}
+
+void StandIns::left(std::span<const BodyId> ids, RegionId to, Tick now) {
+  for (BodyId id : ids)
+    entries_[id] = {to, false, now};
+}
+
+void StandIns::came_along(std::span<const NewBody> bodies, RegionId from, Tick now) {
+  for (const NewBody& body : bodies) {
+    if (physics_.contains(body.id) || entries_.contains(body.id)) continue;
+    put(body, {from, false, now});
+  }
+}
+
+void StandIns::arrived(std::span<const BodyId> ids) {
+  for (BodyId id : ids) entries_.erase(id);
+}
+
+void StandIns::take(std::span<const RestingNews> news, Tick now) {
+  for (const RestingNews& item : news) {
+    const BodyId id = item.body.id;
+    if (item.kind == RestingNews::Kind::told_all) {
+      for (auto& [stand_in, entry] : entries_)
+        if (entry.sponsor == item.from) entry = {entry.sponsor, false, now};
+      continue;
+    }
+    if (item.kind == RestingNews::Kind::rests) {
+      if (!physics_.contains(id)) put(item.body, {item.from, true, now});
+      continue;
+    }
+    const auto at = entries_.find(id);
+    if (at == entries_.end() || at->second.sponsor != item.from) continue;
+    if (item.kind == RestingNews::Kind::handed_over) {
+      at->second.vouched = false;
+      at->second.since = now;
+    } else {
+      entries_.erase(at);
+      physics_.remove_stand_ins(std::span(&id, 1), Wake::touching);
+    }
+  }
+}
+
+void StandIns::tidy(std::span<const RemoteAura> remote, Tick now) {
+  if (entries_.empty()) return;
+  std::vector<BodyId> down;
+  auto aura = remote.begin();
+  for (const auto& [id, entry] : entries_) {
+    while (aura != remote.end() && aura->id < id) ++aura;
+    const bool told = aura != remote.end() && aura->id == id;
+    const bool moved = told && aura->left_its_place;
+    if (moved || (!entry.vouched && now - entry.since > grace_ticks)) down.push_back(id);
+  }
+  for (BodyId id : down) entries_.erase(id);
+  if (!down.empty()) physics_.remove_stand_ins(down, Wake::touching);
+}
+
+}  // namespace aureole

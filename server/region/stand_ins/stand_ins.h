@@ -1,0 +1,54 @@
+// Resting bodies of other servers as walls that do not move: who they are, and until when.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "server/aura/migration_policy.h"
+#include "server/base/ids.h"
+#include "server/base/tick.h"
+#include "server/physics/physics_world.h"
+#include "server/region/aura_exchange.h"
+
+namespace aureole {
+
+/// Keeps the physics world's stand-ins in step with what other servers say of their resting bodies.
+/// Between the word of one owner and that of the next (a body that is handed over) a stand-in stays
+/// for `grace_ticks`; while its owner cannot be heard at all it stays for good, so that a heap does
+/// not fall because a server died.
+class StandIns {
+ public:
+  explicit StandIns(PhysicsWorld& physics) : physics_(physics) {}
+
+  /// Bodies that we handed over and that Hosting left in place as stand-ins.
+  void left(std::span<const BodyId> ids, RegionId to, Tick now);
+  /// Stand-ins that came with a group, as walls for it to lean on.
+  void came_along(std::span<const NewBody> bodies, RegionId from, Tick now);
+  /// Bodies that are hosted here from now on.
+  void arrived(std::span<const BodyId> ids);
+  /// What others said, in order.
+  void take(std::span<const RestingNews> news, Tick now);
+  /// Takes down those whose bodies are moving away, by the auras that are projected now, and those
+  /// that nobody vouches for any more; wakes what leant on them.
+  void tidy(std::span<const RemoteAura> remote, Tick now);
+
+  std::size_t size() const { return entries_.size(); }
+
+  /// About a second of flights; more than any two owners need to hand a body over.
+  static constexpr std::int64_t grace_ticks = 32;
+
+ private:
+  struct Entry {
+    RegionId sponsor;
+    bool vouched = false;  ///< Its owner said that it rests, and has not taken it back.
+    Tick since;            ///< When the present state of `vouched` began.
+  };
+  void put(const NewBody& body, const Entry& entry);
+
+  PhysicsWorld& physics_;
+  std::map<BodyId, Entry> entries_;
+};
+
+}  // namespace aureole

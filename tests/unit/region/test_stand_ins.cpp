@@ -1,0 +1,199 @@
+// What rests may be cut: hunting for blows that reach a stand-in before both sides are together.
+#include <cmath>
+#include <limits>
+
+#include "tests/support/catch.h"
+#include "tests/support/region_cluster.h"
+
+using namespace aureole;
+using namespace aureole::testing;
+
+namespace {
+
+constexpr double inf = std::numeric_limits<double>::infinity();
+
+std::uint64_t struck(RegionCluster& cluster, const WorldDefinition& world) {
+  std::uint64_t all = 0;
+  for (int i = 0; i < static_cast<int>(world.regions.size()); ++i)
+    all += cluster.core(i).statistics().struck_stand_ins;
+  return all;
+}
+
+std::uint64_t stand_ins(RegionCluster& cluster, const WorldDefinition& world) {
+  std::uint64_t all = 0;
+  for (int i = 0; i < static_cast<int>(world.regions.size()); ++i)
+    all += cluster.core(i).statistics().stand_ins;
+  return all;
+}
+
+void into_four(WorldDefinition& world) {
+  world.regions = {{"a", {-inf, -inf, 0, 0}},
+                   {"b", {0, -inf, inf, 0}},
+                   {"c", {-inf, 0, 0, inf}},
+                   {"d", {0, 0, inf, inf}}};
+}
+
+/// Steps to the tick given, or a little further until nobody is in flight.
+void step_to(RegionCluster& cluster, int ticks, std::span<const BodyId> ids) {
+  cluster.step(ticks);
+  for (int more = 0; more < 20; ++more) {
+    bool here = true;
+    for (BodyId id : ids) here = here && cluster.owner(id);
+    if (here) return;
+    cluster.step();
+  }
+}
+
+/// Everything of the world that rests is cut and stands still.
+void require_cut(RegionCluster& cluster, const WorldDefinition& world, int ticks) {
+  cluster.step(ticks);
+  REQUIRE(stand_ins(cluster, world) > 0);
+  for (int i = 0; i < static_cast<int>(world.regions.size()); ++i)
+    REQUIRE(cluster.core(i).statistics().migrations_out == 0);
+}
+
+}  // namespace
+
+TEST_CASE("a fast ball into the far end of a row across a boundary moves it as on one server") {
+  for (const int count : {4, 10, 16})
+    for (const float speed : {5.f, 20.f, 30.f})
+      for (const double first : {49.7, 48.0, 46.0, 44.0}) {
+        auto whole = flat_world(1), split = flat_world(2, 50);
+        std::vector<BodyId> row;
+        for (auto* world : {&whole, &split}) {
+          world->prototypes[0].body.friction = 0;
+          row = {put(*world, ball, {first - 0.6 - speed * 1.0, 0.3, 0}, {speed, 0, 0})};
+          for (int i = 0; i < count; ++i)
+            row.push_back(
+                put(*world, ball, {first + 0.6 * i, 0.3, 0}, {0, 0, 0}, Activation::asleep));
+        }
+        for (const int delay : {0, 1}) {
+          RegionCluster one(whole), two(split, delay);
+          two.step(100);
+          one.step(100);
+          INFO("row of " << count << " from " << first << ", " << speed << " m/s, delay " << delay);
+          CHECK(struck(two, split) == 0);
+          const auto last = row.back();
+          if (two.owner(last)) {
+            const double a = one.state(last).position.x, b = two.state(last).position.x;
+            CHECK(std::abs(a - b) < 0.1 + 0.1 * std::abs(a - first - 0.6 * (count - 1)));
+          }
+        }
+      }
+}
+
+TEST_CASE("a tower on the boundary falls when its foot is struck, and no stand-in is hit") {
+  for (const int delay : {0, 1}) {
+    auto world = flat_world(2, 50);
+    std::vector<BodyId> tower;
+    for (int level = 0; level < 8; ++level)
+      for (const double x : {49.5, 50.5})
+        tower.push_back(put(world, box, {x, 0.5 + level, 0}, {0, 0, 0}, Activation::asleep));
+    world.prototypes[0].body.mass_kg = 20;
+    put(world, ball, {20, 0.6, 0}, {25, 1.5f, 0});
+    RegionCluster cluster(world, delay);
+    require_cut(cluster, world, 50);
+    step_to(cluster, 200, tower);
+    INFO("delay " << delay);
+    CHECK(struck(cluster, world) == 0);
+    int fallen = 0;
+    for (std::size_t i = 0; i < tower.size(); ++i)
+      fallen += cluster.state(tower[i]).position.y < 0.4 + static_cast<double>(i / 2);
+    CHECK(fallen > 4);
+  }
+}
+
+TEST_CASE("a wall of 200 bricks along the boundary is hit in the middle") {
+  for (const int delay : {0, 1}) {
+    auto world = flat_world(2, 50);
+    world.prototypes[2].body.shape = BoxShape{{0.25f, 0.15f, 0.5f}};
+    std::vector<BodyId> wall;
+    for (int level = 0; level < 10; ++level)
+      for (int i = 0; i < 20; ++i)
+        wall.push_back(put(world, plank,
+                           {50.0 + 0.1 * (i % 3 - 1), 0.15 + 0.3 * level,
+                            1.0 * i - 10 + 0.5 * (level % 2)},
+                           {0, 0, 0}, Activation::asleep));
+    world.prototypes[0].body.mass_kg = 10;
+    put(world, ball, {20, 2.0, 0.2}, {25, 5.5f, 0});
+    RegionCluster cluster(world, delay);
+    require_cut(cluster, world, 50);
+    step_to(cluster, 250, wall);
+    INFO("delay " << delay);
+    CHECK(struck(cluster, world) == 0);
+    int moved = 0;
+    for (BodyId id : wall) moved += std::abs(cluster.state(id).position.x - 50) > 0.5;
+    CHECK(moved > 5);
+  }
+}
+
+TEST_CASE("a ball dropped on a heap over a corner strikes no stand-in, and the heap is cut again") {
+  for (const int delay : {0, 1}) {
+    auto world = flat_world(1);
+    into_four(world);
+    std::vector<BodyId> heap;
+    // A pyramid of boxes, its middle a little off the corner.
+    for (int level = 0; level < 4; ++level)
+      for (int i = 0; i < 4 - level; ++i)
+        for (int k = 0; k < 4 - level; ++k)
+          heap.push_back(put(world, box,
+                             {i - 0.5 * (3 - level) + 0.1, 0.5 + level,
+                              k - 0.5 * (3 - level) - 0.2},
+                             {0, 0, 0}, Activation::asleep));
+    const BodyId dropped = put(world, ball, {0.1, 18, 0.15});
+    RegionCluster cluster(world, delay);
+    require_cut(cluster, world, 60);
+    step_to(cluster, 700, heap);
+    INFO("delay " << delay);
+    CHECK(struck(cluster, world) == 0);
+    REQUIRE(cluster.owner(dropped));
+    for (BodyId id : heap) {
+      REQUIRE(cluster.owner(id));
+      const BodyState state = cluster.state(id);
+      CHECK(state.activation == Activation::asleep);
+      const int home = (state.position.x >= 0 ? 1 : 0) + (state.position.z >= 0 ? 2 : 0);
+      const bool on_the_line =
+          std::abs(state.position.x) < 0.5 || std::abs(state.position.z) < 0.5;
+      CHECK((on_the_line || cluster.owner(id) == home));
+    }
+  }
+}
+
+TEST_CASE("a heap that rests on one server is cut without anybody noticing") {
+  auto world = flat_world(2, 50);
+  std::vector<BodyId> heap;
+  for (int level = 0; level < 5; ++level)
+    for (int i = 0; i < 6 - level; ++i)
+      heap.push_back(put(world, box, {47.5 + i + 0.5 * level, 0.5 + level, 0}, {0, 0, 0},
+                         Activation::asleep));
+  for (auto& body : world.bodies) body.host = RegionId{0};
+  RegionCluster cluster(world, 1);
+  cluster.step(150);
+  for (BodyId id : heap) {
+    const BodyState state = cluster.state(id);
+    CHECK(state.activation == Activation::asleep);
+    CHECK(cluster.owner(id) == (state.position.x > 50.1 ? 1 : 0));
+    CHECK(state.position == world.bodies[id.value & 0xffff].state.position);
+  }
+}
+
+TEST_CASE("what stood on a neighbour's body falls when that is taken away") {
+  auto world = flat_world(2, 50);
+  const PrototypeId lid = plank;
+  world.prototypes[2].body.shape = BoxShape{{1.5f, 0.1f, 0.3f}};
+  // A lid whose middle is here, on one box here and one there.
+  const BodyId here = put(world, box, {48.6, 0.5, 0}, {0, 0, 0}, Activation::asleep);
+  const BodyId there = put(world, box, {51.1, 0.5, 0}, {0, 0, 0}, Activation::asleep);
+  const BodyId on_top = put(world, lid, {49.9, 1.1, 0}, {0, 0, 0}, Activation::asleep);
+  put(world, ball, {75, 0.8, 0}, {-18, 4.0f, 0});
+  world.prototypes[0].body.mass_kg = 8;
+  RegionCluster cluster(world, 1);
+  cluster.step(30);
+  REQUIRE(cluster.owner(there) == 1);
+  REQUIRE(cluster.owner(on_top) == 0);
+  const std::vector ids{here, there, on_top};
+  step_to(cluster, 170, ids);
+  REQUIRE(cluster.state(there).position.x < 50.5);
+  CHECK(cluster.state(on_top).position.y < 1.05);
+  CHECK(struck(cluster, world) == 0);
+}
