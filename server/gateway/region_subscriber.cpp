@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "server/base/check.h"
 
@@ -63,6 +64,7 @@ void RegionSubscriber::on_down(PeerId peer, const std::string& reason) {
   store_.region_down(region);
   draw_clock_.forget(region);
   reports_[region.value].up = false;
+  reports_[region.value].outside.clear();
   events_.changed();
 }
 
@@ -85,6 +87,8 @@ Status RegionSubscriber::on_frame(PeerId from, const Frame& frame) {
 Status RegionSubscriber::on_status(RegionId from, const Frame& frame) {
   const auto* status = verified<wire::RegionStatus>(frame.payload);
   if (!status) return Error{"a region's status cannot be read"};
+  auto outside = read_outside(*status);
+  if (!outside) return outside.error();
   RegionReport& report = reports_[from.value];
   report.bodies = status->bodies();
   report.awake = status->awake();
@@ -96,7 +100,29 @@ Status RegionSubscriber::on_status(RegionId from, const Frame& frame) {
   report.skipped_ticks = status->skipped_ticks();
   report.removed_strays = status->removed_strays();
   report.unacknowledged = status->unacknowledged();
+  report.outside = std::move(*outside);
+  report.tolerance_events = status->tolerance_events();
   return Ok{};
+}
+
+Result<std::vector<ToleranceEvent>> RegionSubscriber::read_outside(
+    const wire::RegionStatus& status) const {
+  std::vector<ToleranceEvent> all;
+  if (status.outside() == nullptr) return all;
+  for (const wire::ToleranceMark* mark : *status.outside()) {
+    const bool known = all.size() < ToleranceEvent::kinds && mark->kind() < ToleranceEvent::kinds &&
+                       mark->peer() < world_.regions.size() && std::isfinite(mark->value()) &&
+                       std::isfinite(mark->limit());
+    if (!known) return Error{"a region's status marks a tolerance that cannot be"};
+    all.push_back({ToleranceEvent::Kind{mark->kind()},
+                   true,
+                   Tick{mark->tick()},
+                   RegionId{mark->peer()},
+                   {},
+                   mark->value(),
+                   mark->limit()});
+  }
+  return all;
 }
 
 bool RegionSubscriber::is_complete(RegionId region) const {

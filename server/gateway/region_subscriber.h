@@ -14,6 +14,7 @@
 #include "server/gateway/pictures/draw_clock.h"
 #include "server/net/peer_links.h"
 #include "server/net/world_clock.h"
+#include "server/region/tolerances.h"
 #include "server/replica/replica_store.h"
 #include "server/worlds/world.h"
 
@@ -27,6 +28,9 @@ struct RegionReport {
   std::uint64_t migrations_in = 0, migrations_out = 0;
   std::uint64_t overruns = 0, skipped_ticks = 0, removed_strays = 0;
   std::uint32_t unacknowledged = 0;
+  /// Tolerances that are not kept now, of each kind the worst; see Tolerances::outside().
+  std::vector<ToleranceEvent> outside;
+  std::uint64_t tolerance_events = 0;
 };
 
 struct RegionSubscriberOptions {
@@ -72,6 +76,7 @@ class RegionSubscriber {
  private:
   Status on_frame(PeerId from, const Frame& frame);
   Status on_status(RegionId from, const Frame& frame);
+  Result<std::vector<ToleranceEvent>> read_outside(const wire::RegionStatus& status) const;
   void on_up(PeerId peer);
   void on_down(PeerId peer, const std::string& reason);
   const std::string& name_of(RegionId region) const { return world_.regions[region.value].name; }

@@ -32,6 +32,8 @@ constexpr auto measure_pause_first = 20ms;
 constexpr auto measure_pause = 250ms;
 constexpr int measure_first_count = 16;
 constexpr std::size_t round_trips_kept = 16;
+/// The first few may have waited for a peer that is still starting.
+constexpr std::size_t round_trips_wanted = 4;
 constexpr std::size_t strangers_max = 256;
 
 }  // namespace
@@ -296,6 +298,7 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
         const bool sane = reply->world_us() >= 0 && reply->world_us() < (std::int64_t{1} << 53);
         if (reply->running() && sane && reference() == peer)
           clock.add_sample(reply->sent_us(), reply->world_us(), heard);
+        if (events.measured && trips.size() >= round_trips_wanted) events.measured(peer);
         return Ok{};
       }
       case FrameType::hello:

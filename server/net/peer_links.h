@@ -54,6 +54,8 @@ class PeerLinks {
     std::function<bool()> running;
     /// A peer refused us or is of another world: nothing to retry. Optional.
     std::function<void(PeerId, const std::string& reason)> refused;
+    /// There is news for round_trip_us() of a link that has been measured a few times. Optional.
+    std::function<void(PeerId)> measured = {};
   };
 
   /// `clock` is fed with samples of the reference (the linked region with the lowest id) and asked

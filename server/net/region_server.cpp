@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "server/net/handshake.h"
+#include "server/net/tolerance_log.h"
 #include "server/ops/frame_statistics.h"
 #include "server/region/region_core.h"
 
@@ -41,6 +42,8 @@ struct RegionServer::Impl {
   bool begun = false;
   bool stopped = false;
   Tick next_tick, next_report;
+  double last_frame_ms = 0;
+  ToleranceLog tolerance_log;
   std::uint64_t skipped_ticks = 0;
   std::uint64_t reported_overruns = 0;
   std::uint64_t reported_skipped = 0;
@@ -74,6 +77,7 @@ struct RegionServer::Impl {
                         else
                           fail(what);
                       },
+                      [this](PeerId peer) { measured(peer); },
                   });
   }
 
@@ -103,6 +107,13 @@ struct RegionServer::Impl {
           describe(peer), options.self.value));
     core.peer_up(peer, hello.incarnation);
     if (!begun) begin_if_ready();
+  }
+
+  /// The shortest of recent round trips: the others have waited for a step on one of the two sides,
+  /// and that is frame time, not latency.
+  void measured(PeerId peer) {
+    if (!begun || !peer.is_region() || peer.value >= region_count) return;
+    core.link_measured(peer.as_region(), static_cast<double>(links->round_trip_us(peer)) / 2e3);
   }
 
   bool all_linked() const {
@@ -163,9 +174,14 @@ struct RegionServer::Impl {
     const std::int64_t from_us = monotonic_us();
     core.step(next_tick, {static_cast<std::uint32_t>(std::lround(frames.p50_ms() * 1000)),
                           static_cast<std::uint32_t>(std::lround(frames.max_ms() * 1000)),
-                          frames.overruns(), skipped_ticks});
+                          frames.overruns(), skipped_ticks, last_frame_ms});
     for (const Outgoing& out : core.outbox()) links->send(out.to, out.frame);
-    frames.add(monotonic_us() - from_us);
+    const std::int64_t done_us = monotonic_us();
+    frames.add(done_us - from_us);
+    // Others wait for the messages of a step from its tick on, whether it was long or began late.
+    const std::int64_t due_us = std::min(from_us, clock.local_us(next_tick.value * tick_us));
+    last_frame_ms = static_cast<double>(done_us - due_us) / 1e3;
+    tolerance_log.add(core.tolerance_events());
     next_tick = next_tick + 1;
   }
 

@@ -14,6 +14,17 @@ std::string printable(std::string text) {
   return text;
 }
 
+ToleranceMark mark_from(const nlohmann::json& json) {
+  ToleranceMark out;
+  out.tolerance = printable(json.at("tolerance").get<std::string>());
+  if (!json.at("peer").is_null()) out.peer = printable(json.at("peer").get<std::string>());
+  out.since_tick = json.at("since_tick").get<std::int64_t>();
+  out.value = json.at("value").get<double>();
+  out.limit = json.at("limit").get<double>();
+  out.unit = printable(json.at("unit").get<std::string>());
+  return out;
+}
+
 RegionStatus region_from(const nlohmann::json& json) {
   RegionStatus out;
   out.name = printable(json.at("name").get<std::string>());
@@ -24,6 +35,8 @@ RegionStatus region_from(const nlohmann::json& json) {
   out.frame_ms_max = json.at("frame_ms_max").get<double>();
   out.migrations_in = json.at("migrations_in").get<std::int64_t>();
   out.migrations_out = json.at("migrations_out").get<std::int64_t>();
+  if (const auto outside = json.find("outside"); outside != json.end())
+    for (const auto& mark : *outside) out.outside.push_back(mark_from(mark));
   return out;
 }
 
@@ -70,6 +83,12 @@ std::string status_table(const WorldStatus& status) {
                        width, r.up ? "up" : "DOWN", r.bodies, r.awake, r.frame_ms_p50,
                        r.frame_ms_max, r.migrations_in, r.migrations_out);
   }
+  for (const auto& r : status.regions)
+    for (const auto& mark : r.outside)
+      out +=
+          fmt::format("! {} is outside its {} tolerance{} since tick {}: {:.1f} {}, at most {:g}\n",
+                      r.name, mark.tolerance, mark.peer.empty() ? "" : " towards " + mark.peer,
+                      mark.since_tick, mark.value, mark.unit, mark.limit);
   return out;
 }
 

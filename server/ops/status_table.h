@@ -9,12 +9,22 @@
 
 namespace aureole {
 
+/// A tolerance that a region does not keep now.
+struct ToleranceMark {
+  std::string tolerance;  ///< speed, latency, frame_time or link
+  std::string peer;       ///< Empty for speed and frame time.
+  std::int64_t since_tick = 0;
+  double value = 0, limit = 0;
+  std::string unit;
+};
+
 struct RegionStatus {
   std::string name;
   bool up = false;
   std::int64_t bodies = 0, awake = 0;
   double frame_ms_p50 = 0, frame_ms_max = 0;
   std::int64_t migrations_in = 0, migrations_out = 0;
+  std::vector<ToleranceMark> outside;
 };
 
 struct WorldStatus {
@@ -33,7 +43,8 @@ const RegionStatus* find_region(const WorldStatus& status, const std::string& na
 
 bool all_up(const WorldStatus& status);
 
-/// One line for the world, one for each region, columns aligned; ends with a line end.
+/// One line for the world, one for each region, columns aligned, and one for each tolerance that is
+/// not kept; ends with a line end.
 std::string status_table(const WorldStatus& status);
 
 }  // namespace aureole

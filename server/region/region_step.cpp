@@ -348,9 +348,8 @@ void RegionCore::migrate(Tick now) {
   for (std::size_t i = 0; i < map_.size(); ++i)
     linked.push_back(is_up(RegionId{static_cast<std::uint16_t>(i)}));
   const Touching contacts(hosting_.physics());
-  const MigrationDecision decision =
-      policy_->decide({now, self_, map_, hosted, aura_exchange_.remote(), handover_requests_,
-                       linked, &contacts});
+  const MigrationDecision decision = policy_->decide(
+      {now, self_, map_, hosted, aura_exchange_.remote(), handover_requests_, linked, &contacts});
   handover_requests_.clear();
   for (const Migration& migration : decision.leaving)
     handed_over_.insert(migration.bodies.begin(), migration.bodies.end());
@@ -430,14 +429,20 @@ std::vector<VersionedBody> RegionCore::passive_copies() const {
 
 SharedBytes RegionCore::status_frame(Tick now, const ShellMeasurements& measured) const {
   const RegionStatistics s = statistics();
-  flatbuffers::FlatBufferBuilder builder(128);
+  flatbuffers::FlatBufferBuilder builder(256);
+  std::vector<wire::ToleranceMark> outside;
+  for (const ToleranceEvent& e : tolerances_.outside())
+    outside.emplace_back(e.tick.value, e.value, e.limit, e.peer.value,
+                         static_cast<std::uint8_t>(e.kind));
+  const auto outside_at = builder.CreateVectorOfStructs(outside);
   return std::make_shared<const Bytes>(finish_frame(
       builder,
       wire::CreateRegionStatus(builder, now.value, static_cast<std::uint32_t>(s.bodies),
                                static_cast<std::uint32_t>(s.awake), measured.frame_us_p50,
                                measured.frame_us_max, s.migrations_in, s.migrations_out,
                                measured.overruns, measured.skipped_ticks, s.removed_strays,
-                               static_cast<std::uint32_t>(s.unacknowledged), recovering()),
+                               static_cast<std::uint32_t>(s.unacknowledged), recovering(),
+                               outside_at, s.tolerance_events),
       FrameType::region_status));
 }
 

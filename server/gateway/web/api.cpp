@@ -28,7 +28,24 @@ std::optional<double> number(const std::string& text) {
   return value;
 }
 
-Json json_of(const RegionReport& report, const std::string& name) {
+Json json_of(const ToleranceEvent& mark, const WorldDefinition& world) {
+  using Kind = ToleranceEvent::Kind;
+  const bool of_a_link = mark.kind == Kind::latency || mark.kind == Kind::link;
+  Json peer = nullptr;
+  if (of_a_link) peer = world.regions.at(mark.peer.value).name;
+  return {{"tolerance", name_of(mark.kind)},
+          {"peer", std::move(peer)},
+          {"since_tick", mark.tick.value},
+          {"value", mark.value},
+          {"limit", mark.limit},
+          {"unit", mark.kind == Kind::speed  ? "m/s"
+                   : mark.kind == Kind::link ? "ticks without word"
+                                             : "ms"}};
+}
+
+Json json_of(const RegionReport& report, const std::string& name, const WorldDefinition& world) {
+  Json outside = Json::array();
+  for (const ToleranceEvent& mark : report.outside) outside.push_back(json_of(mark, world));
   return {{"name", name},
           {"up", report.up},
           {"bodies", report.bodies},
@@ -40,7 +57,9 @@ Json json_of(const RegionReport& report, const std::string& name) {
           {"overruns", report.overruns},
           {"skipped_ticks", report.skipped_ticks},
           {"removed_strays", report.removed_strays},
-          {"unacknowledged", report.unacknowledged}};
+          {"unacknowledged", report.unacknowledged},
+          {"outside", std::move(outside)},
+          {"tolerance_events", report.tolerance_events}};
 }
 
 Json json_of(const PlayerReport& report) {
@@ -62,7 +81,7 @@ std::string status_json(const WorldDefinition& world, const RegionSubscriber& re
                         std::optional<std::int64_t> world_us) {
   Json region_list = Json::array(), player_list = Json::array();
   for (std::size_t r = 0; r < world.regions.size(); ++r)
-    region_list.push_back(json_of(regions.reports()[r], world.regions[r].name));
+    region_list.push_back(json_of(regions.reports()[r], world.regions[r].name, world));
   for (const PlayerReport& player : players) player_list.push_back(json_of(player));
   Json time = nullptr;
   if (world_us) time = static_cast<double>(*world_us) / 1e6;

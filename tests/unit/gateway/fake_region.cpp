@@ -65,6 +65,7 @@ bool FakeRegion::has_avatar(PlayerId player) const {
 void FakeRegion::tick() {
   ++tick_;
   publish(false);
+  if (tick_ % 16 == 0) publish_status();
   next_us_ += tick_us;
   timer_.expires_after(
       std::chrono::microseconds(std::max<std::int64_t>(next_us_ - monotonic_us(), 0)));
@@ -110,6 +111,18 @@ void FakeRegion::publish(bool whole) {
   removed_.clear();
   const auto frame = std::make_shared<const Bytes>(
       encode_frame(FrameType::replica_update, 0, update.complete().bytes()));
+  for (const PeerId gateway : gateways_) links_->send(gateway, frame);
+}
+
+void FakeRegion::publish_status() {
+  flatbuffers::FlatBufferBuilder builder(256);
+  const auto outside = builder.CreateVectorOfStructs(options_.outside);
+  wire::RegionStatusBuilder status(builder);
+  status.add_tick(tick_);
+  status.add_outside(outside);
+  status.add_tolerance_events(options_.outside.size());
+  const auto frame = std::make_shared<const Bytes>(
+      finish_frame(builder, status.Finish(), FrameType::region_status));
   for (const PeerId gateway : gateways_) links_->send(gateway, frame);
 }
 

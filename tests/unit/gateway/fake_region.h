@@ -26,7 +26,8 @@ class FakeRegion {
     RegionId id;
     int bodies = 0;  ///< Balls in rows, of which the first `moving` swing.
     int moving = 0;
-    bool applies = true;  ///< Whether commands are applied at all.
+    bool applies = true;                            ///< Whether commands are applied at all.
+    std::vector<wire::ToleranceMark> outside = {};  ///< Told with its status.
   };
   FakeRegion(const WorldDefinition& world, Options options);
   ~FakeRegion();
@@ -46,6 +47,7 @@ class FakeRegion {
   };
   void tick();
   void publish(bool whole);
+  void publish_status();
   void take(const wire::Command& command);
   void apply(Avatar& avatar, const wire::Command& command);
 

@@ -307,6 +307,25 @@ TEST_CASE("Grabbing takes the body in the crosshair, then lets go; and says when
   REQUIRE(stage.west.applied().back().target() == 0);
 }
 
+TEST_CASE("A tolerance that a region does not keep is in the status with its peer and its tick") {
+  FakeRegion west(
+      world(),
+      {.id = RegionId{0}, .bodies = 1, .outside = {{625, 5.25, 2, 1, 1}, {630, 40, 32, 0, 0}}});
+  // One that cannot be: there is no region 7. It costs the link, and nobody else anything.
+  FakeRegion east(world(), {.id = RegionId{1}, .outside = {{625, 5.25, 2, 7, 1}}});
+  RunningGateway gateway({west.address(), east.address()});
+  RunningGateway::wait_for([&] { return !gateway.status()["regions"][0]["outside"].empty(); });
+  const Json region = gateway.status()["regions"][0];
+  REQUIRE(region["tolerance_events"] == 2);
+  const Json latency = {{"tolerance", "latency"}, {"peer", "east"}, {"since_tick", 625},
+                        {"value", 5.25},          {"limit", 2.0},   {"unit", "ms"}};
+  REQUIRE(region["outside"][0] == latency);
+  REQUIRE(region["outside"][1]["tolerance"] == "speed");
+  REQUIRE(region["outside"][1]["peer"].is_null());
+  RunningGateway::wait_for([&] { return gateway.status()["regions"][1]["up"] == false; });
+  REQUIRE(gateway.status()["regions"][1]["outside"].empty());
+}
+
 TEST_CASE("Health and status say which regions are there and what they report") {
   FakeRegion west(world(), {.id = RegionId{0}, .bodies = 5});
   FakeRegion absent(world(), {.id = RegionId{1}});
@@ -327,6 +346,8 @@ TEST_CASE("Health and status say which regions are there and what they report") 
   for (const char* key : {"bodies", "awake", "frame_ms_p50", "frame_ms_max", "migrations_in",
                           "migrations_out", "overruns", "skipped_ticks"})
     REQUIRE(status["regions"][0][key].is_number());
+
+  REQUIRE(status["regions"][0]["outside"].empty());
 
   // A new player needs the region of the spawn point only; one who may be anywhere has to wait.
   ViewClientOptions o;

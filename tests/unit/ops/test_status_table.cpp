@@ -24,6 +24,20 @@ TEST_CASE("a table shows the world, then one line for each region") {
           "south?[2J  DOWN        3        0      0.00      0.00         1         3\n");
 }
 
+TEST_CASE("a tolerance that is not kept is named with its region, its peer and its tick") {
+  std::string marked = two_regions;
+  const std::string last = R"("migrations_out": 1)";
+  marked.replace(marked.find(last), last.size(), last + R"(, "outside": [
+    {"tolerance": "latency", "peer": "south", "since_tick": 625, "value": 5.25, "limit": 2, "unit": "ms"},
+    {"tolerance": "speed", "peer": null, "since_tick": 630, "value": 40, "limit": 32, "unit": "m/s"}])");
+  const auto status = parse_world_status(marked);
+  REQUIRE(status);
+  const std::string table = status_table(*status);
+  REQUIRE(table.ends_with(
+      "! north is outside its latency tolerance towards south since tick 625: 5.2 ms, at most 2\n"
+      "! north is outside its speed tolerance since tick 630: 40.0 m/s, at most 32\n"));
+}
+
 TEST_CASE("a region is found by its name or by its number") {
   const auto status = parse_world_status(two_regions);
   REQUIRE(status);

@@ -1,0 +1,54 @@
+// Sentences about tolerances, and a bound on how many.
+#include "server/net/tolerance_log.h"
+
+#include <spdlog/spdlog.h>
+
+namespace aureole {
+namespace {
+
+constexpr std::int64_t pause_ticks = 1'000'000 / tick_us;
+
+std::string what(const ToleranceEvent& e) {
+  switch (e.kind) {
+    case ToleranceEvent::Kind::speed:
+      return fmt::format("speed: body {} moves at {:.1f} m/s", e.body.value, e.value);
+    case ToleranceEvent::Kind::latency:
+      return fmt::format("latency: messages of r{} take {:.1f} ms", e.peer.value, e.value);
+    case ToleranceEvent::Kind::frame_time:
+      return fmt::format("frame time: a step was done {:.1f} ms after its tick", e.value);
+    case ToleranceEvent::Kind::link:
+      return fmt::format("link: the newest word of r{} is {:.0f} ticks old", e.peer.value, e.value);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string ToleranceLog::line(const ToleranceEvent& event) {
+  const auto key = std::tuple(event.kind, event.peer, event.outside);
+  const auto [it, first] = said_.try_emplace(key, Said{event.tick, 0});
+  Said& said = it->second;
+  if (!first && event.tick - said.at < pause_ticks) {
+    ++said.unsaid;
+    return {};
+  }
+  std::string line = fmt::format("{} its tolerance at tick {}, {}; at most {:g}",
+                                 event.outside ? "outside" : "back inside", event.tick.value,
+                                 what(event), event.limit);
+  if (said.unsaid > 0) line += fmt::format(" ({} more times before that)", said.unsaid);
+  said = {event.tick, 0};
+  return line;
+}
+
+void ToleranceLog::add(std::span<const ToleranceEvent> events) {
+  for (const ToleranceEvent& event : events) {
+    const std::string text = line(event);
+    if (text.empty()) continue;
+    if (event.outside)
+      spdlog::warn("{}", text);
+    else
+      spdlog::info("{}", text);
+  }
+}
+
+}  // namespace aureole
