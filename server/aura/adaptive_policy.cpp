@@ -29,6 +29,14 @@ namespace {
 /// Air that an island needs around it before it goes home (m); more than an aura is rounded by.
 constexpr double island_clearance_m = 0.1;
 
+/// A cluster that has to go somewhere goes to the lowest server that has anything this near to it (m):
+/// at a corner it would be fetched on to that one soon.
+constexpr double corner_clearance_m = 1.0;
+
+/// What moves goes home only if it meets nothing but bodies of its new host for so long (s): it
+/// would be fetched back at once, and perhaps on from there.
+constexpr double clear_flight_s = 1.0;
+
 /// Whoever has moved or expected a blow stays where it is for so long before it counts as resting
 /// for good and goes home.
 constexpr std::int64_t quiet_ticks = 32;
@@ -157,7 +165,7 @@ class AdaptivePolicy final : public MigrationPolicy {
   void settle_overlaps(const MigrationSituation& s, Leaving& leaving,
                        std::map<RegionId, std::set<BodyId>>& pulls) {
     std::vector<std::uint32_t> found;
-    std::map<std::size_t, RegionId> lowest;
+    std::map<std::size_t, std::vector<const RemoteAura*>> contested;
     visitors_.assign(s.hosted.size(), {});
     for (const RemoteAura& aura : s.remote) {
       if (index_of(s.hosted, aura.id)) continue;  // Word of a body that has come to us since.
@@ -167,18 +175,44 @@ class AdaptivePolicy final : public MigrationPolicy {
         visitors_[body].push_back(aura.host);
         if (rests(body) && aura.resting) continue;
         contested_[body] = true;
-        const std::size_t cluster = cluster_of(s, body);
-        // Ours is on its way already: the two must not swap.
-        if (clusters_[cluster].sent) continue;
-        if (aura.host > s.self) {
-          pulls[aura.host].insert(aura.id);
-        } else if (s.linked[aura.host.value]) {
-          const auto [at, fresh] = lowest.try_emplace(cluster, aura.host);
-          if (!fresh) at->second = std::min(at->second, aura.host);
-        }
+        contested[cluster_of(s, body)].push_back(&aura);
       }
     }
-    for (const auto& [cluster, to] : lowest) send(s, cluster, to, leaving);
+    if (!contested.empty()) remote_grid_.build(remote_boxes(s));
+    for (const auto& [cluster, auras] : contested) {
+      // Ours is on its way already: the two must not swap.
+      if (clusters_[cluster].sent) continue;
+      if (const RegionId to = lowest_near(s, cluster); to < s.self) {
+        send(s, cluster, to, leaving);
+        continue;
+      }
+      for (const RemoteAura* aura : auras)
+        if (aura->host > s.self) pulls[aura->host].insert(aura->id);
+    }
+  }
+
+  std::span<const AuraBox> remote_boxes(const MigrationSituation& s) {
+    remote_boxes_.clear();
+    for (const RemoteAura& aura : s.remote) remote_boxes_.push_back(aura.box);
+    return remote_boxes_;
+  }
+
+  /// The lowest server that has anything near the cluster, our own number included.
+  RegionId lowest_near(const MigrationSituation& s, std::size_t cluster) const {
+    RegionId lowest = s.self;
+    std::vector<std::uint32_t> found;
+    for (std::uint32_t member : clusters_[cluster].members) {
+      AuraBox box = boxes_[member];
+      box.half.array() += corner_clearance_m;
+      found.clear();
+      remote_grid_.find(box, found);
+      for (std::uint32_t near : found) {
+        const RegionId host = s.remote[near].host;
+        if (s.linked[host.value] && !index_of(s.hosted, s.remote[near].id))
+          lowest = std::min(lowest, host);
+      }
+    }
+    return lowest;
   }
 
   /// The clusters around a body that are not clear of each other. Auras travel rounded outwards:
@@ -223,6 +257,7 @@ class AdaptivePolicy final : public MigrationPolicy {
 
   void send_home(const MigrationSituation& s, Leaving& leaving) {
     std::vector<bool> judged;
+    bool remote_grid_built = false;
     for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
       if (!is_away(s, i)) continue;
       const std::size_t own = cluster_of(s, i);
@@ -242,11 +277,35 @@ class AdaptivePolicy final : public MigrationPolicy {
         }
       }
       if (!leaves) continue;
+      if (!remote_grid_built) remote_grid_.build(remote_boxes(s));
+      remote_grid_built = true;
       // Where most of its bodies are; the lower number on a tie.
       const auto most = std::max_element(holds.begin(), holds.end(),
                                          [](auto& a, auto& b) { return a.second < b.second; });
+      if (!flies_clear(s, island, most->first)) continue;
       for (std::size_t number : island) send(s, number, most->first, leaving);
     }
+  }
+
+  /// Whether nothing of the island that moves will soon meet bodies that stay here, or of servers
+  /// other than `home`.
+  bool flies_clear(const MigrationSituation& s, const std::set<std::size_t>& island,
+                   RegionId home) const {
+    std::vector<std::uint32_t> found;
+    for (std::size_t number : island)
+      for (std::uint32_t member : clusters_[number].members) {
+        if (rests(member)) continue;
+        AuraBox way = flight_aura(s.hosted[member], clear_flight_s);
+        found.clear();
+        grid_.find(way, found);
+        for (std::uint32_t other : found)
+          if (cluster_[other] == none || !island.contains(cluster_[other])) return false;
+        found.clear();
+        remote_grid_.find(way, found);
+        for (std::uint32_t other : found)
+          if (s.remote[other].host != home) return false;
+      }
+    return true;
   }
 
   /// Tells every server that may host something where the aura reaches: the regions it overlaps,
@@ -289,6 +348,8 @@ class AdaptivePolicy final : public MigrationPolicy {
   std::vector<bool> disturbed_;       ///< Meets something on its way.
   std::vector<double> expected_mps_;  ///< With the blows that it may take; 0: it rests.
   OverlapGrid grid_;
+  OverlapGrid remote_grid_;  ///< Of others' auras, built when asked for.
+  std::vector<AuraBox> remote_boxes_;
   BlowForecast forecast_;
   std::vector<std::size_t> cluster_;
   std::vector<Cluster> clusters_;

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "server/replica/recovery_answer.h"
+
 namespace aureole {
 namespace {
 
@@ -54,9 +56,8 @@ void SimulatedGateway::take(SimulatedNetwork& network, const Delivery& delivery,
     taken = frame.error();
   else if (frame->type == FrameType::replica_update)
     taken = store_->apply(from, frame->payload);
-  else
-    for (const Bytes& reply : answer(from, *frame))
-      send(network, from, std::make_shared<const Bytes>(reply), now);
+  else if (frame->type == FrameType::recovery_query)
+    taken = answer(network, from, *frame, now);
   if (taken) return;
   if (refusals_.size() < refusals_max)
     refusals_.push_back(fmt::format("from {}: {}", delivery.from, taken.error().message));
@@ -69,8 +70,12 @@ void SimulatedGateway::send(SimulatedNetwork& network, RegionId to, SharedBytes 
   if (linked_[to.value]) network.send(self_, to.value, std::move(frame), now);
 }
 
-std::vector<Bytes> SimulatedGateway::answer(RegionId, const Frame&) const {
-  return {};
+Status SimulatedGateway::answer(SimulatedNetwork& network, RegionId from, const Frame& query,
+                                Micros now) {
+  const auto frames = answer_recovery(*store_, from, query.payload);
+  if (!frames) return frames.error();
+  for (const SharedBytes& frame : *frames) send(network, from, frame, now);
+  return Ok{};
 }
 
 }  // namespace aureole

@@ -37,9 +37,8 @@ class SimulatedGateway {
   const std::vector<std::string>& refusals() const { return refusals_; }
 
  private:
-  /// What the store answers to a region that asks it something (recovery); nothing to everything
-  /// else. The one place where queries meet the store.
-  std::vector<Bytes> answer(RegionId from, const Frame& frame) const;
+  /// Tells a region in recovery what the store knows.
+  Status answer(SimulatedNetwork& network, RegionId from, const Frame& query, Micros now);
   void take(SimulatedNetwork& network, const Delivery& delivery, Micros now);
 
   const WorldDefinition& world_;

@@ -22,6 +22,7 @@ void SimulatedServer::start(SimulatedNetwork& network, Micros now) {
   const bool again = incarnation_.value > 0;
   incarnation_ = Incarnation{incarnation_.value + 1};
   core_ = std::make_unique<RegionCore>(world_, self_, incarnation_);
+  core_->enable_snapshots();
   if (again) {
     const std::span<const std::byte> snapshot =
         disk_.written ? std::span<const std::byte>(*disk_.written) : std::span<const std::byte>();
