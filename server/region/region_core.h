@@ -154,7 +154,7 @@ class RegionCore {
   void remove_strays(Tick now);
   void migrate(Tick now);
   std::vector<HostedBody> hosted_bodies(Tick now);
-  void foresee_deeds(std::vector<HostedBody>& hosted) const;
+  void foresee_deeds(std::vector<HostedBody>& hosted, Tick now);
   void watch_stand_ins(Tick now);
   Hosting::Cut cut() const;
   bool nothing_stirs(Tick now) const;

@@ -75,7 +75,7 @@ void RegionCore::step(Tick now, const ShellMeasurements& measured) {
   take_in(now);
   spawn(now);
   apply_blasts(now);
-  players_.drive(now, player_output_);
+  players_.drive(now, has_room(1), player_output_);
   ClosedBoundary closed(map_, closed_regions());
   closed.before_step(hosting_.physics(), tick_s);
   hosting_.physics().step(tick_s);
@@ -271,7 +271,7 @@ bool RegionCore::nothing_stirs(Tick now) const {
 
 /// What players may do in the next moment with what they carry or throw, so that whoever may be hit
 /// is here before.
-void RegionCore::foresee_deeds(std::vector<HostedBody>& hosted) const {
+void RegionCore::foresee_deeds(std::vector<HostedBody>& hosted, Tick now) {
   double speed = 0, mass = 0;
   for (const Throwable& item : world_.throwables) {
     const double item_kg = double{hosting_.definitions()[item.prototype.value].mass_kg};
@@ -279,9 +279,14 @@ void RegionCore::foresee_deeds(std::vector<HostedBody>& hosted) const {
     speed = std::max(speed, double{item.speed_mps});
   }
   for (const Avatar* avatar : players_.avatars()) {
-    if (!avatar->connected) continue;
     const auto body = index_of(hosted, avatar->body());
     if (!body) continue;
+    const AuraBox reach = struck_aura(hosted[*body], speed, reach_time_s(world_.tolerances));
+    const auto remote = aura_exchange_.remote();
+    players_.note_company(avatar->player, std::any_of(remote.begin(), remote.end(), [&](auto& aura) {
+                            return aura.box.overlaps(reach);
+                          }));
+    if (!players_.in_play(*avatar, now)) continue;
     hosted[*body].deed_speed_mps = speed;
     hosted[*body].deed_mass_kg = mass;
     if (avatar->carried == BodyId{}) continue;
@@ -323,7 +328,7 @@ std::vector<HostedBody> RegionCore::hosted_bodies(Tick now) {
     if (leader != leaders.end()) body.leader = leader->second;
     body.changed_owner = hosting_.changed_owner(id);
   }
-  foresee_deeds(hosted);
+  foresee_deeds(hosted, now);
   return hosted;
 }
 

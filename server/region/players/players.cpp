@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/aura/aura_size.h"
+
 namespace aureole {
 namespace {
 
@@ -20,7 +22,8 @@ Players::Players(const WorldDefinition& world, const PartitionMap& map, RegionId
       hosting_(hosting),
       half_height_(avatar_half_height(world.prototypes[world.avatar.value].body)),
       // What players do is sudden: it takes effect T_T ahead, at the same tick on all servers.
-      blast_lead_ticks_(std::llround(total_displacement_s(world.tolerances) / tick_s)) {}
+      blast_lead_ticks_(std::llround(total_displacement_s(world.tolerances) / tick_s)),
+      wind_up_ticks_(std::llround(reach_time_s(world.tolerances) / tick_s)) {}
 
 WorldPosition Players::eye(const Avatar& avatar) const {
   WorldPosition position = hosting_.physics().position(avatar.body());
@@ -47,7 +50,7 @@ void Players::command(const PlayerCommand& command, Tick now, bool room, PlayerO
     const bool anew = command.kind == PlayerCommand::Kind::join && command.target == BodyId{} &&
                       (moved == moved_.end() || command.session > moved->second.session);
     if (anew)
-      join(command, room, out);
+      join(command, now, room, out);
     else if (moved != moved_.end())
       out.forwarded[moved->second.to].push_back(command);
     return;  // For an avatar that is elsewhere the gateway will ask again.
@@ -60,16 +63,28 @@ void Players::command(const PlayerCommand& command, Tick now, bool room, PlayerO
     avatar.connected = true;
     avatar.keys = 0;
     avatar.waiting.clear();
+    avatar.active = now;
     return;
   }
   if (command.session != avatar.session || command.sequence <= avatar.applied_sequence) return;
   // Those from too far ahead would take the places of those whose turn comes first.
   if (command.sequence - avatar.applied_sequence <= Avatar::max_waiting)
     avatar.waiting.emplace(command.sequence, command);
+  // Nobody was prepared for one who has stood idle to do anything: now its aura grows first.
+  if (!in_play(avatar, now) && avatar.company) avatar.held_until = now + wind_up_ticks_;
+  avatar.active = now;
   apply_waiting(command.player, now, room, out);
 }
 
-void Players::join(const PlayerCommand& command, bool room, PlayerOutput& out) {
+bool Players::in_play(const Avatar& avatar, Tick now) const {
+  return avatar.connected && now - avatar.active <= idle_ticks;
+}
+
+void Players::note_company(PlayerId player, bool company) {
+  avatars_.at(player).company = company;
+}
+
+void Players::join(const PlayerCommand& command, Tick now, bool room, PlayerOutput& out) {
   const BodyState state = standing_at(command.spawn, command.player);
   const RegionId home = map_.region_at(state.position.x, state.position.z);
   if (home != self_) {
@@ -82,6 +97,7 @@ void Players::join(const PlayerCommand& command, bool room, PlayerOutput& out) {
   avatar.session = command.session;
   avatar.applied_sequence = command.sequence;
   avatar.gateway = command.gateway;
+  avatar.active = now;
   avatar.yaw = world_.spawn_points[command.spawn % world_.spawn_points.size()].yaw_rad;
   const NewBody body{avatar.body(), world_.avatar, state};
   // Sessions grow four times a second for ever, owners change far less often.
@@ -95,6 +111,7 @@ void Players::apply_waiting(PlayerId player, Tick now, bool room, PlayerOutput& 
     const auto it = avatars_.find(player);
     if (it == avatars_.end()) return;  // It left.
     Avatar& avatar = it->second;
+    if (now < avatar.held_until) return;
     const auto next = avatar.waiting.find(avatar.applied_sequence + 1);
     if (next == avatar.waiting.end()) return;
     const PlayerCommand command = next->second;
@@ -228,8 +245,11 @@ void Players::remove_avatar(PlayerId player, PlayerOutput& out) {
     remove_thrown(player, n, out);
 }
 
-void Players::drive(Tick now, PlayerOutput& out) {
-  std::vector<PlayerId> gone;
+void Players::drive(Tick now, bool room, PlayerOutput& out) {
+  std::vector<PlayerId> held, gone;
+  for (const auto& [player, avatar] : avatars_)
+    if (avatar.held_until == now && !avatar.waiting.empty()) held.push_back(player);
+  for (PlayerId player : held) apply_waiting(player, now, room, out);
   for (auto& [player, avatar] : avatars_) {
     if (!avatar.connected) {
       if (now - avatar.lost_since >= keep_lost_ticks) gone.push_back(player);
@@ -272,6 +292,7 @@ void Players::accept(std::vector<Avatar> avatars, std::span<const BodyId> arrive
     if (!hosting_.hosts(avatar.body())) continue;
     if (avatar.carried != BodyId{} && !hosting_.hosts(avatar.carried)) avatar.carried = BodyId{};
     moved_.erase(player);
+    avatar.active = now;
     avatars_.insert_or_assign(player, std::move(avatar));
     apply_waiting(player, now, room, out);
   }

@@ -33,7 +33,14 @@ class Players {
 
   /// Moves all avatars and what they carry; call once before each physics step. Removes avatars
   /// whose players have been gone for `keep_lost_ticks`, with all that they threw.
-  void drive(Tick now, PlayerOutput& out);
+  void drive(Tick now, bool room, PlayerOutput& out);
+
+  /// Whether the player has done anything lately, so that a throw or a step may follow at any
+  /// moment: the avatar's aura covers it. What an idle one does is held back for as long as its aura
+  /// needs to be heard of, if there is company: bodies of other servers within its reach.
+  bool in_play(const Avatar& avatar, Tick now) const;
+  void note_company(PlayerId player, bool company);
+  static constexpr std::int64_t idle_ticks = ticks_from_ms(2'000);
 
   /// A gateway's link is gone: its players are, until they come back by some gateway.
   void gateway_down(std::uint16_t gateway, Tick now);
@@ -60,7 +67,7 @@ class Players {
   static constexpr std::int64_t remember_moved_ticks = ticks_from_ms(30'000);
 
  private:
-  void join(const PlayerCommand& command, bool room, PlayerOutput& out);
+  void join(const PlayerCommand& command, Tick now, bool room, PlayerOutput& out);
   void apply(Avatar& avatar, const PlayerCommand& command, Tick now, bool room, PlayerOutput& out);
   void apply_waiting(PlayerId player, Tick now, bool room, PlayerOutput& out);
   void throw_body(Avatar& avatar, const PlayerCommand& command, bool room, PlayerOutput& out);
@@ -79,6 +86,7 @@ class Players {
   AvatarTuning tuning_;
   float half_height_;
   std::int64_t blast_lead_ticks_;
+  std::int64_t wind_up_ticks_;
   std::map<PlayerId, Avatar> avatars_;
   struct Moved {
     RegionId to;
