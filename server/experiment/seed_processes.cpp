@@ -55,8 +55,9 @@ Child start(int index, const std::function<std::string(int)>& work) {
   AUREOLE_CHECK(child.pid >= 0, "a child process can be started");
   if (child.pid == 0) {
     ::dup2(complaint[1], STDERR_FILENO);
-    ::signal(SIGINT, SIG_DFL);
-    ::signal(SIGTERM, SIG_DFL);
+    // Whatever this process does about signals is not the child's matter.
+    for (const int signal : {SIGINT, SIGTERM, SIGABRT, SIGSEGV, SIGFPE, SIGILL})
+      ::signal(signal, SIG_DFL);
     write_all(output[1], work(index));
     ::_exit(0);
   }

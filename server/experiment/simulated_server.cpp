@@ -12,11 +12,15 @@ namespace {
 constexpr int catch_up_steps_max = 2;
 constexpr std::int64_t behind_ticks_max = 8;
 constexpr std::size_t refusals_max = 8;
+/// Clocks of servers agree this well, and timers are as late as this.
+constexpr Micros phase_us_max = 1000;
 
 }  // namespace
 
 SimulatedServer::SimulatedServer(const WorldDefinition& world, RegionId self, std::uint64_t seed)
-    : world_(world), self_(self), incarnation_(0), random_(seed, 100 + self.value) {}
+    : world_(world), self_(self), incarnation_(0), random_(seed, 100 + self.value) {
+  phase_us_ = random_.below(static_cast<int>(phase_us_max));
+}
 
 void SimulatedServer::start(SimulatedNetwork& network, Micros now) {
   const bool again = incarnation_.value > 0;
@@ -31,7 +35,7 @@ void SimulatedServer::start(SimulatedNetwork& network, Micros now) {
   }
   network.start(self_.value, incarnation_, now);
   next_tick_ = Tick{std::max<std::int64_t>(1, now / tick_us + 1)};
-  wakes_at_us_ = next_tick_.value * tick_us;
+  wakes_at_us_ = next_tick_.value * tick_us + phase_us_;
   last_frame_ms_ = 0;
 }
 
@@ -50,8 +54,13 @@ void SimulatedServer::slow_down(double frame_ms, Micros until) {
 
 double SimulatedServer::draw_frame_ms(Micros at) {
   if (at < slow_until_us_) return slow_frame_ms_ * random_.between(0.9, 1.1);
-  // Mostly short; now and then nearly all that the tolerance of 15 ms allows.
-  return random_.chance(0.05) ? random_.between(6, 14) : random_.between(1, 5);
+  // For a second at a time a server has little to do or nearly as much as the tolerance of 15 ms
+  // allows: then what it sends misses the receiver's next step, and must be caught up with.
+  if (at >= load_until_us_) {
+    busy_ = random_.chance(0.35);
+    load_until_us_ = at + 1'000'000;
+  }
+  return busy_ ? random_.between(10, 13.9) : random_.between(1, 5);
 }
 
 void SimulatedServer::wake(SimulatedNetwork& network, Micros now, const Observer& observer) {
@@ -69,7 +78,7 @@ void SimulatedServer::wake(SimulatedNetwork& network, Micros now, const Observer
     next_tick_ = next_tick_ + left_out;
   }
   const Micros earliest = steps == catch_up_steps_max ? now + tick_us : at;
-  wakes_at_us_ = std::max({earliest, at, next_tick_.value * tick_us});
+  wakes_at_us_ = std::max({earliest, at, next_tick_.value * tick_us + phase_us_});
 }
 
 void SimulatedServer::take_deliveries(SimulatedNetwork& network, Micros now) {

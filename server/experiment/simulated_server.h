@@ -61,6 +61,9 @@ class SimulatedServer {
   Tick next_tick_{1};
   Micros wakes_at_us_ = 0;
   Micros step_ended_us_ = 0;
+  Micros phase_us_ = 0;  ///< Of its clock against world time.
+  Micros load_until_us_ = 0;
+  bool busy_ = false;
   double last_frame_ms_ = 0;
   double slow_frame_ms_ = 0;
   Micros slow_until_us_ = 0;
