@@ -37,6 +37,9 @@ constexpr double corner_clearance_m = 1.0;
 /// would be fetched back at once, and perhaps on from there.
 constexpr double clear_flight_s = 1.0;
 
+/// How far from anything that moves a resting body must be before it goes home (m).
+constexpr double calm_clearance_m = 1.0;
+
 /// Whoever has moved or expected a blow stays where it is for so long before it counts as resting
 /// for good and goes home.
 constexpr std::int64_t quiet_ticks = 32;
@@ -167,6 +170,7 @@ class AdaptivePolicy final : public MigrationPolicy {
     std::vector<std::uint32_t> found;
     std::map<std::size_t, std::vector<const RemoteAura*>> contested;
     visitors_.assign(s.hosted.size(), {});
+    remote_grid_.build(remote_boxes(s));
     for (const RemoteAura& aura : s.remote) {
       if (index_of(s.hosted, aura.id)) continue;  // Word of a body that has come to us since.
       found.clear();
@@ -178,7 +182,6 @@ class AdaptivePolicy final : public MigrationPolicy {
         contested[cluster_of(s, body)].push_back(&aura);
       }
     }
-    if (!contested.empty()) remote_grid_.build(remote_boxes(s));
     for (const auto& [cluster, auras] : contested) {
       // Ours is on its way already: the two must not swap.
       if (clusters_[cluster].sent) continue;
@@ -197,13 +200,17 @@ class AdaptivePolicy final : public MigrationPolicy {
     return remote_boxes_;
   }
 
-  /// The lowest server that has anything near the cluster, our own number included.
+  /// The lowest server that has anything near the cluster, or whose region is near: our own number
+  /// included. All servers around a corner come to the same one.
   RegionId lowest_near(const MigrationSituation& s, std::size_t cluster) const {
     RegionId lowest = s.self;
     std::vector<std::uint32_t> found;
     for (std::uint32_t member : clusters_[cluster].members) {
       AuraBox box = boxes_[member];
       box.half.array() += corner_clearance_m;
+      for (RegionId region : s.map.regions_within(box.centre.x(), box.centre.z(),
+                                                  corner_clearance_m + corner_clearance_m / 2))
+        if (region < lowest && s.linked[region.value]) lowest = region;
       found.clear();
       remote_grid_.find(box, found);
       for (std::uint32_t near : found) {
@@ -247,17 +254,32 @@ class AdaptivePolicy final : public MigrationPolicy {
            (rests(body) ? resting_hysteresis_m : home_hysteresis_m);
   }
 
+  /// Whether nothing that moves is near: a heap is cut where it has come to rest, not where the next
+  /// blow is about to fall.
+  bool is_calm(const MigrationSituation& s, std::uint32_t body) const {
+    AuraBox box = boxes_[body];
+    box.half.array() += calm_clearance_m;
+    std::vector<std::uint32_t> found;
+    grid_.find(box, found);
+    for (std::uint32_t other : found)
+      if (!rests(other)) return false;
+    found.clear();
+    remote_grid_.find(box, found);
+    for (std::uint32_t other : found)
+      if (!s.remote[other].resting) return false;
+    return true;
+  }
+
   /// Whether the body alone would let its island leave.
   bool may_leave(const MigrationSituation& s, std::uint32_t i) const {
     const HostedBody& body = s.hosted[i];
     // Who goes home may be met there at once, and fetched back.
     return is_away(s, i) && !contested_[i] && s.now - body.changed_owner >= long_stay_ticks &&
-           (!rests(i) || !unrest_.contains(body.id));
+           (!rests(i) || (!unrest_.contains(body.id) && is_calm(s, i)));
   }
 
   void send_home(const MigrationSituation& s, Leaving& leaving) {
     std::vector<bool> judged;
-    bool remote_grid_built = false;
     for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
       if (!is_away(s, i)) continue;
       const std::size_t own = cluster_of(s, i);
@@ -277,8 +299,6 @@ class AdaptivePolicy final : public MigrationPolicy {
         }
       }
       if (!leaves) continue;
-      if (!remote_grid_built) remote_grid_.build(remote_boxes(s));
-      remote_grid_built = true;
       // Where most of its bodies are; the lower number on a tie.
       const auto most = std::max_element(holds.begin(), holds.end(),
                                          [](auto& a, auto& b) { return a.second < b.second; });
@@ -348,7 +368,7 @@ class AdaptivePolicy final : public MigrationPolicy {
   std::vector<bool> disturbed_;       ///< Meets something on its way.
   std::vector<double> expected_mps_;  ///< With the blows that it may take; 0: it rests.
   OverlapGrid grid_;
-  OverlapGrid remote_grid_;  ///< Of others' auras, built when asked for.
+  OverlapGrid remote_grid_;  ///< Of others' auras.
   std::vector<AuraBox> remote_boxes_;
   BlowForecast forecast_;
   std::vector<std::size_t> cluster_;

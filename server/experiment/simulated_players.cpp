@@ -123,6 +123,9 @@ void SimulatedPlayers::deliver(Player& player, SimulatedNetwork& network, Simula
                                Micros now) {
   const ReplicaStore& store = gateway.store();
   const auto version = store.version(BodyId::avatar(player.id));
+  // A store that has not heard of everybody cannot say that an avatar does not exist.
+  for (std::size_t i = 0; i < world_.regions.size(); ++i)
+    if (!version && !store.is_complete(RegionId{static_cast<std::uint16_t>(i)})) return;
   player.stream.set_avatar_exists(version.has_value());
   const WorldPosition& spawn = world_.spawn_points[player.spawn].position;
   const RegionId owner = version ? version->region : region_at(world_.regions, spawn.x, spawn.z);

@@ -217,11 +217,14 @@ bool Simulation::all_run() const {
                      [](const auto& s) { return s.runs() && !s.is_recovering(); });
 }
 
-bool Simulation::all_rest() const {
-  return all_run() && ownership_.changes_since(now_ - calm_ticks) == 0 &&
-         std::all_of(servers_.begin(), servers_.end(), [](const SimulatedServer& s) {
-           return s.core().physics().awake_count() == 0;
-         });
+/// What has just fallen asleep may still go home within the second.
+bool Simulation::all_rest() {
+  const bool asleep =
+      all_run() && std::all_of(servers_.begin(), servers_.end(), [](const SimulatedServer& s) {
+        return s.core().physics().awake_count() == 0;
+      });
+  if (!asleep) stirred_ = now_;
+  return now_ - stirred_ >= calm_ticks && ownership_.changes_since(now_ - calm_ticks) == 0;
 }
 
 void Simulation::judge_rest() {

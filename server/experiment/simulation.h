@@ -64,7 +64,7 @@ class Simulation {
   void look();
   void judge_rest();
   bool all_run() const;
-  bool all_rest() const;
+  bool all_rest();
   bool players_act(Micros now) const;
 
   Scenario scenario_;
@@ -91,6 +91,7 @@ class Simulation {
   std::vector<SeenBody> seen_;                  ///< At the tick that was looked at last.
   std::vector<std::uint64_t> struck_, events_;  ///< Of each server's present core.
   SeedResult result_;
+  Tick stirred_;  ///< When anything was last awake, from the end of the run on.
   Tick now_;
   Micros virtual_us_ = 0;  ///< Of the event at hand.
 };

@@ -139,6 +139,11 @@ std::vector<HandoverRequest> AuraExchange::take_in() {
   return requests;
 }
 
+bool AuraExchange::has_heard(RegionId id) const {
+  const auto it = peers_.find(id);
+  return it != peers_.end() && it->second.heard;
+}
+
 std::vector<RestingNews> AuraExchange::take_resting_news() {
   return std::exchange(resting_news_, {});
 }

@@ -62,6 +62,8 @@ class AuraExchange {
   /// What others project to us now, ascending by body; one entry a body: of two servers that both
   /// claim it the lower number's.
   std::span<const RemoteAura> remote() const { return remote_; }
+  /// Whether the peer has told what it projects since its link came up.
+  bool has_heard(RegionId peer) const;
   /// Whether anything was heard, or a link came or went, since the last announce().
   bool has_changed() const { return changed_; }
 

@@ -1,6 +1,8 @@
 // A region's surroundings: peers that come and go, and messages that are checked and queued.
 #include "server/region/region_core.h"
 
+#include <algorithm>
+
 #include "protocol/wire.h"
 #include "server/base/check.h"
 #include "server/base/hash.h"
@@ -43,6 +45,7 @@ RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation 
 void RegionCore::peer_up(PeerId id, Incarnation incarnation) {
   Peer& peer = peers_[id];
   peer.up = true;
+  peer.up_since = last_tick_;
   peer.met = true;
   peer.incarnation = incarnation;
   peer.recovering = false;
@@ -175,6 +178,15 @@ std::vector<RegionId> RegionCore::closed_regions() const {
     if (id.is_region() && peer.met && (!peer.up || peer.recovering))
       closed.push_back(id.as_region());
   return closed;
+}
+
+bool RegionCore::waits_for_auras(Tick now) const {
+  return std::any_of(peers_.begin(), peers_.end(), [&](const auto& entry) {
+    const auto& [id, peer] = entry;
+    return id.is_region() && peer.up && !peer.recovering &&
+           !aura_exchange_.has_heard(id.as_region()) &&
+           now - peer.up_since <= await_auras_ticks;
+  });
 }
 
 std::uint64_t RegionCore::state_hash() const {

@@ -128,10 +128,14 @@ class RegionCore {
   static constexpr std::int64_t status_interval_ticks = 16;
   /// A sleeping region decides again at least this often (islands wait their time before they go).
   static constexpr std::int64_t decision_interval_ticks = 16;
+  /// After a link came up nothing is handed over before its peer has told its auras, or this has
+  /// passed: whoever decides without them sends bodies where they cannot stay.
+  static constexpr std::int64_t await_auras_ticks = 8;
 
  private:
   struct Peer {
     bool up = false;
+    Tick up_since;
     bool wants_whole_state = false;  ///< Gateways, after link up.
     Journal journal;                 ///< Regions.
     std::uint32_t bodies = 0;        ///< Last heard.
@@ -166,6 +170,7 @@ class RegionCore {
   std::vector<VersionedBody> passive_copies() const;
   bool has_room(std::size_t more) const;
   bool is_up(RegionId region) const;
+  bool waits_for_auras(Tick now) const;
   std::vector<RegionId> closed_regions() const;
   SharedBytes status_frame(Tick now, const ShellMeasurements& measured) const;
   SharedBytes acknowledgement(Peer& peer);

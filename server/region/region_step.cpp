@@ -351,7 +351,7 @@ void RegionCore::migrate(Tick now) {
   const std::vector<HostedBody> hosted = hosted_bodies(now);
   std::vector<bool> linked;
   for (std::size_t i = 0; i < map_.size(); ++i)
-    linked.push_back(is_up(RegionId{static_cast<std::uint16_t>(i)}));
+    linked.push_back(is_up(RegionId{static_cast<std::uint16_t>(i)}) && !waits_for_auras(now));
   const Touching contacts(hosting_.physics());
   const MigrationDecision decision = policy_->decide(
       {now, self_, map_, hosted, aura_exchange_.remote(), handover_requests_, linked, &contacts});

@@ -292,7 +292,6 @@ void Players::accept(std::vector<Avatar> avatars, std::span<const BodyId> arrive
     if (!hosting_.hosts(avatar.body())) continue;
     if (avatar.carried != BodyId{} && !hosting_.hosts(avatar.carried)) avatar.carried = BodyId{};
     moved_.erase(player);
-    avatar.active = now;
     avatars_.insert_or_assign(player, std::move(avatar));
     apply_waiting(player, now, room, out);
   }

@@ -29,7 +29,6 @@ void StandInWatch::judge(const StandInLoad& load, Tick now, bool still, double m
   if (rise_mps <= missed_mps || pair.struck) return;
   pair.struck = true;
   ++struck_;
-  fprintf(stderr, "STRUCK t %lld stand-in %llx body %llx rise %.3f base %.3f cutrest %d first %lld\n", (long long)now.value,(unsigned long long)load.stand_in.value,(unsigned long long)load.body.value,rise_mps,pair.base_ns,pair.cut_at_rest,(long long)pair.first.value);
   last_struck_ = {load.stand_in, load.body, now, rise_mps};
 }
 

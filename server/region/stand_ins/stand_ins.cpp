@@ -37,7 +37,12 @@ void StandIns::arrived(std::span<const BodyId> ids) {
   for (BodyId id : ids) entries_.erase(id);
 }
 
+void StandIns::forget_bodies() {
+  std::erase_if(entries_, [&](const auto& entry) { return !physics_.is_stand_in(entry.first); });
+}
+
 void StandIns::take(std::span<const RestingNews> news, Tick now) {
+  forget_bodies();
   for (const RestingNews& item : news) {
     const BodyId id = item.body.id;
     if (item.kind == RestingNews::Kind::told_all) {
@@ -62,6 +67,7 @@ void StandIns::take(std::span<const RestingNews> news, Tick now) {
 }
 
 void StandIns::tidy(std::span<const RemoteAura> remote, Tick now) {
+  forget_bodies();
   if (entries_.empty()) return;
   std::vector<BodyId> down;
   auto aura = remote.begin();

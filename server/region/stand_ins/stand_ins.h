@@ -46,6 +46,8 @@ class StandIns {
     Tick since;            ///< When the present state of `vouched` began.
   };
   void put(const NewBody& body, const Entry& entry);
+  /// A stand-in that has become a body (born or claimed here under that name) is one no more.
+  void forget_bodies();
 
   PhysicsWorld& physics_;
   std::map<BodyId, Entry> entries_;
