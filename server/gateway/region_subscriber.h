@@ -27,6 +27,7 @@ struct RegionReport {
   std::uint64_t migrations_in = 0, migrations_out = 0;
   std::uint64_t overruns = 0, skipped_ticks = 0, removed_strays = 0;
   std::uint32_t unacknowledged = 0;
+  bool recovering = false;  ///< Started again after a death; simulates nothing yet.
 };
 
 struct RegionSubscriberOptions {
@@ -72,6 +73,7 @@ class RegionSubscriber {
  private:
   Status on_frame(PeerId from, const Frame& frame);
   Status on_status(RegionId from, const Frame& frame);
+  Status on_recovery_query(RegionId from, const Frame& frame);
   void on_up(PeerId peer);
   void on_down(PeerId peer, const std::string& reason);
   const std::string& name_of(RegionId region) const { return world_.regions[region.value].name; }

@@ -40,7 +40,8 @@ Json json_of(const RegionReport& report, const std::string& name) {
           {"overruns", report.overruns},
           {"skipped_ticks", report.skipped_ticks},
           {"removed_strays", report.removed_strays},
-          {"unacknowledged", report.unacknowledged}};
+          {"unacknowledged", report.unacknowledged},
+          {"recovering", report.recovering}};
 }
 
 Json json_of(const PlayerReport& report) {
