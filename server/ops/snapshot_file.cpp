@@ -34,14 +34,18 @@ struct Header {
 };
 static_assert(sizeof(Header) == 64);
 
-/// Eight bytes at a time, because it is taken in the step: multiply and fold, so that every bit of
-/// every word reaches all others.
-std::uint64_t checksum_of(std::span<const std::byte> bytes) {
-  std::uint64_t sum = 0x9e37'79b9'7f4a'7c15u ^ bytes.size();
+/// Over the header as it is when it is whole, and the content. Eight bytes at a time, because it is
+/// taken in the step: multiply and fold, so that every bit of every word reaches all others.
+std::uint64_t checksum_of(const Header& header, std::span<const std::byte> bytes) {
+  std::uint64_t sum = 0x9e37'79b9'7f4a'7c15u;
   const auto mix = [&sum](std::uint64_t word) {
     sum = (sum ^ word) * 0xff51'afd7'ed55'8ccdu;
     sum ^= sum >> 32;
   };
+  for (const std::uint64_t field :
+       {header.magic, header.world_hash, header.region, header.sequence, header.incarnation,
+        static_cast<std::uint64_t>(header.tick), header.bytes})
+    mix(field);
   std::uint64_t word = 0;
   for (; bytes.size() >= sizeof word; bytes = bytes.subspan(sizeof word)) {
     std::memcpy(&word, bytes.data(), sizeof word);
@@ -91,7 +95,7 @@ class SnapshotFile::Slot {
     const Header h = header();
     if (h.magic != magic || h.sequence == 0 || h.bytes > bytes_max) return false;
     if (sizeof(Header) + h.bytes > size_) return false;
-    return checksum_of(content(h.bytes)) == h.checksum;
+    return checksum_of(h, content(h.bytes)) == h.checksum;
   }
   std::span<const std::byte> content(std::size_t bytes) const {
     return {static_cast<const std::byte*>(map_) + sizeof(Header), bytes};
@@ -99,8 +103,8 @@ class SnapshotFile::Slot {
 
   Status write(Header h, std::span<const std::byte> bytes) {
     if (auto ok = reserve(sizeof(Header) + bytes.size()); !ok) return ok;
+    h.checksum = checksum_of(h, bytes);
     const std::uint64_t sequence = std::exchange(h.sequence, 0);
-    h.checksum = checksum_of(bytes);
     std::memcpy(map_, &h, sizeof h);
     std::atomic_thread_fence(std::memory_order_seq_cst);
     std::memcpy(static_cast<std::byte*>(map_) + sizeof(Header), bytes.data(), bytes.size());
