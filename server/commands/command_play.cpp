@@ -10,6 +10,7 @@
 #include "server/ops/installation.h"
 #include "server/ops/logging.h"
 #include "server/ops/ports.h"
+#include "server/ops/snapshot_file.h"
 #include "server/play/supervisor.h"
 #include "server/worlds/world_file.h"
 
@@ -25,6 +26,7 @@ struct PlayOptions {
   std::string web_root;
   std::string log_level;
   std::string server_binary;
+  std::string state;
 };
 
 /// The port for the page: the one wanted if it is free, any free one for 0.
@@ -71,6 +73,17 @@ int play(const PlayOptions& options) {
   const auto port = page_port(options);
   if (!port) return complain(exit_usage, port.error().message);
   plan.port = *port;
+
+  // Without a folder of the user's, regions that die are restored all the same, and the world ends
+  // with its last process.
+  std::unique_ptr<TemporaryFolder> temporary;
+  plan.state = options.state;
+  if (plan.state.empty()) {
+    auto made = TemporaryFolder::make();
+    if (!made) return complain(exit_failed, made.error().message);
+    temporary = std::move(*made);
+    plan.state = temporary->path().string();
+  }
 
   SupervisorOptions supervisor;
   supervisor.executable = own_binary;
@@ -122,6 +135,10 @@ void add_play(CLI::App& app, int& exit_code) {
                    "Numeric address to serve the page on. 0.0.0.0 lets everybody in who can reach\n"
                    "this machine: there are no passwords")
       ->capture_default_str();
+  command->add_option(
+      "--state", options->state,
+      "Folder in which the world survives: started with it again, it goes on where\n"
+      "it was. Without it the world ends with this command");
   command->add_option("--log-level", options->log_level,
                       "trace, debug, info, warning, error or off; also AUREOLE_LOG_LEVEL");
   command->add_option("--web-root", options->web_root,

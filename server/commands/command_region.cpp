@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 
@@ -13,6 +14,7 @@
 #include "server/ops/incarnation.h"
 #include "server/ops/logging.h"
 #include "server/ops/signals.h"
+#include "server/ops/snapshot_file.h"
 #include "server/worlds/world_file.h"
 
 namespace aureole {
@@ -26,6 +28,7 @@ struct RegionOptions {
   std::string listen;
   std::vector<std::string> peers;
   std::uint64_t incarnation = 0;
+  std::string state;
   std::string log_level;
 };
 
@@ -45,6 +48,15 @@ int run_region(const RegionOptions& options) {
   server_options.self = RegionId{static_cast<std::uint16_t>(options.region)};
   server_options.incarnation =
       options.incarnation != 0 ? Incarnation{options.incarnation} : incarnation_of_this_start();
+  if (!options.state.empty()) {
+    auto state = SnapshotFile::open(options.state, {world->hash, server_options.self});
+    if (!state) return complain(exit_usage, "--state: " + state.error().message);
+    server_options.state = std::move(*state);
+    // A clock that was set back must not make this start look older than the one that died.
+    if (const auto found = server_options.state->newest())
+      server_options.incarnation =
+          std::max(server_options.incarnation, Incarnation{found->incarnation.value + 1});
+  }
   const std::string at =
       options.listen.empty() ? fmt::format("127.0.0.1:{}", 7000 + options.region) : options.listen;
   auto listen = parse_endpoint(at);
@@ -96,6 +108,10 @@ void add_region(CLI::App& app, int& exit_code) {
                       "Another region and its address, as r1=127.0.0.1:7001; once for each");
   command->add_option("--incarnation", options->incarnation,
                       "Number of this start, greater than at the last one (default: the time)");
+  command->add_option("--state", options->state,
+                      "Folder in which its state survives it: started again, it goes on with its\n"
+                      "bodies. Without one, what happened in the last moments before it died is "
+                      "known\nonly as far as gateways have heard of it");
   command->add_option(
       "--log-level", options->log_level,
       "trace, debug, info, warning, error or off (default: AUREOLE_LOG_LEVEL or info)");

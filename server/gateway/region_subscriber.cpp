@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "server/base/check.h"
+#include "server/replica/recovery_answer.h"
 
 namespace aureole {
 namespace {
@@ -65,15 +66,17 @@ void RegionSubscriber::on_down(PeerId peer, const std::string& reason) {
   draw_clock_.forget(region);
   reports_[region.value].up = false;
   reports_[region.value].outside.clear();
+  reports_[region.value].recovering = false;
   events_.changed();
 }
 
 Status RegionSubscriber::on_frame(PeerId from, const Frame& frame) {
   const RegionId region = from.as_region();
   if (frame.type == FrameType::region_status) return on_status(region, frame);
+  if (frame.type == FrameType::recovery_query) return on_recovery_query(region, frame);
   if (frame.type != FrameType::replica_update)
     return Error::format(
-        "a region sent a gateway a frame of type {}; expected replicas or its status",
+        "a region sent a gateway a frame of type {}; expected replicas, its status or a question",
         static_cast<unsigned>(frame.type));
   const bool was_complete = store_.is_complete(region);
   if (auto applied = store_.apply(region, frame.payload); !applied) return applied;
@@ -81,6 +84,14 @@ Status RegionSubscriber::on_frame(PeerId from, const Frame& frame) {
     draw_clock_.arrived(region, *tick, monotonic_us());
   events_.updated(region);
   if (!was_complete && store_.is_complete(region)) events_.changed();
+  return Ok{};
+}
+
+Status RegionSubscriber::on_recovery_query(RegionId from, const Frame& frame) {
+  auto answer = answer_recovery(store_, from, frame.payload);
+  if (!answer) return answer.error();
+  spdlog::info("region {} recovers and asks for what is known of its bodies", name_of(from));
+  for (SharedBytes& part : *answer) links_.send(PeerId::region(from), std::move(part));
   return Ok{};
 }
 
@@ -102,6 +113,7 @@ Status RegionSubscriber::on_status(RegionId from, const Frame& frame) {
   report.unacknowledged = status->unacknowledged();
   report.outside = std::move(*outside);
   report.tolerance_events = status->tolerance_events();
+  report.recovering = status->recovering();
   return Ok{};
 }
 

@@ -31,6 +31,7 @@ struct RegionReport {
   /// Tolerances that are not kept now, of each kind the worst; see Tolerances::outside().
   std::vector<ToleranceEvent> outside;
   std::uint64_t tolerance_events = 0;
+  bool recovering = false;  ///< Started again after a death; simulates nothing yet.
 };
 
 struct RegionSubscriberOptions {
@@ -77,6 +78,7 @@ class RegionSubscriber {
   Status on_frame(PeerId from, const Frame& frame);
   Status on_status(RegionId from, const Frame& frame);
   Result<std::vector<ToleranceEvent>> read_outside(const wire::RegionStatus& status) const;
+  Status on_recovery_query(RegionId from, const Frame& frame);
   void on_up(PeerId peer);
   void on_down(PeerId peer, const std::string& reason);
   const std::string& name_of(RegionId region) const { return world_.regions[region.value].name; }

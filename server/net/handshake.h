@@ -7,6 +7,9 @@
 
 namespace aureole {
 
+/// Part of the reason of a refusal: whoever is told so has been replaced.
+inline constexpr const char* newer_start_known = "a newer start of";
+
 struct Introduction {
   PeerId peer;
   PeerHello hello;

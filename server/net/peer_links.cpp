@@ -212,7 +212,8 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
       introduction =
           Error::format("{} is dialled from here and does not dial", describe(introduction->peer));
     if (introduction && introduction->hello.incarnation < met_before(introduction->peer))
-      introduction = Error::format("a newer start of {} is known", describe(introduction->peer));
+      introduction =
+          Error::format("{} {} is known", newer_start_known, describe(introduction->peer));
     if (!introduction) {
       spdlog::warn("refused the server at {}: {}", link->remote(), introduction.error().message);
       if (dialler) dialler->pause = dial_pause_max;
@@ -296,15 +297,22 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
         if (trips.size() > round_trips_kept) trips.pop_front();
         // World time stays below 2^53 µs (285 years), whatever a peer says.
         const bool sane = reply->world_us() >= 0 && reply->world_us() < (std::int64_t{1} << 53);
-        if (reply->running() && sane && reference() == peer)
+        // Whoever joins a world that runs has the time from anybody who runs, and follows the
+        // reference from then on; so does region 0, which is nobody's follower.
+        const bool counts = reference() == peer || (!clock.is_set() && peer.is_region());
+        if (reply->running() && sane && counts)
           clock.add_sample(reply->sent_us(), reply->world_us(), heard);
         if (events.measured && trips.size() >= round_trips_wanted) events.measured(peer);
         return Ok{};
       }
       case FrameType::hello:
         return Error{"a second hello on one link"};
-      case FrameType::refusal:
-        return Error{"it refused us: " + read_refusal(frame)};
+      case FrameType::refusal: {
+        // Whoever dialled us judges us after we have taken the link for good.
+        const std::string reason = read_refusal(frame);
+        if (events.refused) events.refused(peer, reason);
+        return Error{"it refused us: " + reason};
+      }
       default:
         return events.frame(peer, std::move(frame));
     }

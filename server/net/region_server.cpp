@@ -26,6 +26,9 @@ constexpr int catch_up_steps_max = 2;
 constexpr std::int64_t behind_ticks_max = 8;
 /// Overruns are counted one by one and told of in one line for this many ticks (5 s).
 constexpr std::int64_t report_interval_ticks = 312;
+/// A whole world that starts again from its disks goes on so many ticks after region 0's state:
+/// later than any other region's.
+constexpr std::int64_t state_margin = 2 * RegionCore::snapshot_interval_ticks;
 
 }  // namespace
 
@@ -47,6 +50,11 @@ struct RegionServer::Impl {
   std::uint64_t skipped_ticks = 0;
   std::uint64_t reported_overruns = 0;
   std::uint64_t reported_skipped = 0;
+  Tick found_tick;          ///< Of the state on the disk; 0: none.
+  bool world_runs = false;  ///< Others step already.
+  bool told_recovered = true;
+  std::string told_waits_for;
+  bool disk_failed = false;
 
   Impl(boost::asio::io_context& context, const WorldDefinition& world, RegionServerOptions o,
        std::function<void(const std::string&)> on_failure)
@@ -62,6 +70,7 @@ struct RegionServer::Impl {
     link_options.world_hash = world.hash;
     for (const PeerAddress& address : options.regions)
       if (address.peer < link_options.self) link_options.dial.push_back(address);
+    if (options.state) find_state();
     links.emplace(io, std::move(link_options), clock,
                   PeerLinks::Events{
                       [this](PeerId peer, const PeerHello& hello) { up(peer, hello); },
@@ -72,7 +81,10 @@ struct RegionServer::Impl {
                         // A world that runs is not ended by whoever happens to answer somewhere.
                         const std::string what =
                             fmt::format("{} refused this server: {}", describe(peer), reason);
-                        if (begun)
+                        // A newer start of this very region is another matter: two that simulate
+                        // the same bodies help nobody.
+                        const bool replaced = reason.find(newer_start_known) != std::string::npos;
+                        if (begun && !replaced)
                           spdlog::error("{}", what);
                         else
                           fail(what);
@@ -98,13 +110,12 @@ struct RegionServer::Impl {
       spdlog::error("{} is linked, but this world has {} regions", describe(peer), region_count);
       return;
     }
-    const bool knows_another_start =
-        hello.known_incarnation != Incarnation{} && hello.known_incarnation != options.incarnation;
-    if (!begun && knows_another_start)
-      return fail(fmt::format(
-          "{} still knows an earlier start of r{}, whose bodies are gone: a lost region cannot be "
-          "recovered in this version; stop all servers of this world and start them together",
-          describe(peer), options.self.value));
+    const bool knows_this_start = hello.known_incarnation == options.incarnation;
+    const bool knows_another_start = hello.known_incarnation != Incarnation{} && !knows_this_start;
+    world_runs |= peer.is_region() && hello.running;
+    // A world begins when all are linked: one that runs without this server had an earlier start.
+    const bool succeeds = knows_another_start || (hello.running && !knows_this_start);
+    if (!begun && succeeds && !core.recovering()) recover({});
     core.peer_up(peer, hello.incarnation);
     if (!begun) begin_if_ready();
   }
@@ -114,6 +125,24 @@ struct RegionServer::Impl {
   void measured(PeerId peer) {
     if (!begun || !peer.is_region() || peer.value >= region_count) return;
     core.link_measured(peer.as_region(), static_cast<double>(links->round_trip_us(peer)) / 2e3);
+  }
+
+  void find_state() {
+    core.enable_snapshots();
+    const auto found = options.state->newest();
+    if (!found) return;
+    found_tick = found->tick;
+    recover(found->bytes);
+  }
+
+  void recover(std::span<const std::byte> snapshot) {
+    told_recovered = false;
+    const Status read = core.recover(snapshot);
+    if (!read) spdlog::error("the state on the disk counts as none: {}", read.error().message);
+    spdlog::warn("an earlier start of r{} ended; {}", options.self.value,
+                 !snapshot.empty() && read
+                     ? fmt::format("going on from its state of tick {}", found_tick.value)
+                     : "asking the others what they know of its bodies");
   }
 
   bool all_linked() const {
@@ -126,8 +155,12 @@ struct RegionServer::Impl {
 
   void begin_if_ready() {
     if (begun || stopped) return;
-    if (options.self.value == 0 && all_linked()) clock.start_as_reference(monotonic_us(), 0);
-    if (!clock.is_set() || !all_linked()) return;
+    // Region 0 sets the clock, unless others have one already: then it goes on with theirs.
+    if (options.self.value == 0 && all_linked() && (!world_runs || clock.is_set()))
+      clock.start_as_reference(
+          monotonic_us(), found_tick.value == 0 ? 0 : (found_tick + state_margin).value * tick_us);
+    // Whoever recovers can say so, and answer others who do, before everyone is there.
+    if (!clock.is_set() || !(all_linked() || core.recovering())) return;
     begun = true;
     next_tick = Tick{*clock.world_us(monotonic_us()) / tick_us + 1};
     spdlog::info("the world runs, from tick {} on", next_tick.value);
@@ -166,6 +199,7 @@ struct RegionServer::Impl {
       next_tick = next_tick + left_out;
     }
     report();
+    report_recovery();
     const std::int64_t earliest = steps == catch_up_steps_max ? woken_us + tick_us : 0;
     wait_until(std::max(earliest, clock.local_us(next_tick.value * tick_us)));
   }
@@ -176,6 +210,7 @@ struct RegionServer::Impl {
                           static_cast<std::uint32_t>(std::lround(frames.max_ms() * 1000)),
                           frames.overruns(), skipped_ticks, last_frame_ms});
     for (const Outgoing& out : core.outbox()) links->send(out.to, out.frame);
+    write_state();
     const std::int64_t done_us = monotonic_us();
     frames.add(done_us - from_us);
     // Others wait for the messages of a step from its tick on, whether it was long or began late.
@@ -183,6 +218,35 @@ struct RegionServer::Impl {
     last_frame_ms = static_cast<double>(done_us - due_us) / 1e3;
     tolerance_log.add(core.tolerance_events());
     next_tick = next_tick + 1;
+  }
+
+  void write_state() {
+    const SharedBytes snapshot = core.snapshot_due();
+    if (!snapshot || !options.state) return;
+    if (auto ok = options.state->write(*snapshot, options.incarnation, next_tick); !ok) {
+      // The world goes on; what others hold for us they go on holding.
+      if (!disk_failed) spdlog::error("the state cannot be written: {}", ok.error().message);
+      disk_failed = true;
+      return;
+    }
+    disk_failed = false;
+    core.snapshot_written(next_tick);
+  }
+
+  void report_recovery() {
+    if (told_recovered) return;
+    if (!core.recovering()) {
+      told_recovered = true;
+      const RegionStatistics s = core.statistics();
+      spdlog::info("recovered {} bodies at tick {}", s.recovered, next_tick.value);
+      if (s.unrecoverable > 0)
+        spdlog::error("{} bodies are known by name, but nobody knows where they were",
+                      s.unrecoverable);
+      return;
+    }
+    const std::string waits_for = fmt::format("{}", fmt::join(core.recovery_waits_for(), ", "));
+    if (waits_for != told_waits_for) spdlog::info("recovering; waiting for {}", waits_for);
+    told_waits_for = waits_for;
   }
 
   void report() {

@@ -29,6 +29,7 @@ RegionStatus region_from(const nlohmann::json& json) {
   RegionStatus out;
   out.name = printable(json.at("name").get<std::string>());
   out.up = json.at("up").get<bool>();
+  out.recovering = json.value("recovering", false);
   out.bodies = json.at("bodies").get<std::int64_t>();
   out.awake = json.at("awake").get<std::int64_t>();
   out.frame_ms_p50 = json.at("frame_ms_p50").get<double>();
@@ -68,7 +69,7 @@ const RegionStatus* find_region(const WorldStatus& status, const std::string& na
 
 bool all_up(const WorldStatus& status) {
   return std::all_of(status.regions.begin(), status.regions.end(),
-                     [](const RegionStatus& r) { return r.up; });
+                     [](const RegionStatus& r) { return r.up && !r.recovering; });
 }
 
 std::string status_table(const WorldStatus& status) {
@@ -76,12 +77,13 @@ std::string status_table(const WorldStatus& status) {
                                 status.bodies, status.players);
   std::size_t width = 6;
   for (const auto& r : status.regions) width = std::max(width, r.name.size());
-  out += fmt::format("{:<{}}  {:<4}  {:>7}  {:>7}  {:>8}  {:>8}  {:>8}  {:>8}\n", "region", width,
+  out += fmt::format("{:<{}}  {:<10}  {:>7}  {:>7}  {:>8}  {:>8}  {:>8}  {:>8}\n", "region", width,
                      "", "bodies", "awake", "p50 ms", "max ms", "came in", "went out");
   for (const auto& r : status.regions) {
-    out += fmt::format("{:<{}}  {:<4}  {:>7}  {:>7}  {:>8.2f}  {:>8.2f}  {:>8}  {:>8}\n", r.name,
-                       width, r.up ? "up" : "DOWN", r.bodies, r.awake, r.frame_ms_p50,
-                       r.frame_ms_max, r.migrations_in, r.migrations_out);
+    const char* state = !r.up ? "DOWN" : r.recovering ? "RECOVERING" : "up";
+    out += fmt::format("{:<{}}  {:<10}  {:>7}  {:>7}  {:>8.2f}  {:>8.2f}  {:>8}  {:>8}\n", r.name,
+                       width, state, r.bodies, r.awake, r.frame_ms_p50, r.frame_ms_max,
+                       r.migrations_in, r.migrations_out);
   }
   for (const auto& r : status.regions)
     for (const auto& mark : r.outside)

@@ -21,6 +21,7 @@ struct ToleranceMark {
 struct RegionStatus {
   std::string name;
   bool up = false;
+  bool recovering = false;  ///< Linked, but it simulates nothing yet.
   std::int64_t bodies = 0, awake = 0;
   double frame_ms_p50 = 0, frame_ms_max = 0;
   std::int64_t migrations_in = 0, migrations_out = 0;
@@ -41,6 +42,7 @@ Result<WorldStatus> parse_world_status(const std::string& json);
 /// first.
 const RegionStatus* find_region(const WorldStatus& status, const std::string& name);
 
+/// Up and simulating.
 bool all_up(const WorldStatus& status);
 
 /// One line for the world, one for each region, columns aligned, and one for each tolerance that is

@@ -39,6 +39,8 @@ std::vector<ProcessPlan> processes_of(const WorldPlan& plan) {
     ProcessPlan region{fmt::format("r{}", i), common_arguments("region", plan)};
     region.arguments.insert(region.arguments.end(), {"--region", std::to_string(i), "--listen",
                                                      at_loopback(plan.region_ports[i])});
+    if (!plan.state.empty())
+      region.arguments.insert(region.arguments.end(), {"--state", plan.state});
     const std::string link = region.name + "=" + at_loopback(plan.region_ports[i]);
     for (std::size_t k = 0; k < plan.region_ports.size(); ++k) {
       if (k == i) continue;

@@ -71,14 +71,13 @@ struct Member {
   ChildProcess process;
   bool ready = false;
   std::string last_words;  ///< Newest line on stderr.
+  RestartLimit restarts;
 };
 
 class World {
  public:
   World(const SupervisorOptions& options, const std::vector<ProcessPlan>& plan)
-      : options_(options),
-        plan_(plan),
-        gateway_restarts_(options.gateway_restarts_per_minute, 60'000) {}
+      : options_(options), plan_(plan) {}
 
   PlayOutcome run() {
     for (const auto& plan : plan_) {
@@ -88,7 +87,8 @@ class World {
         return {PlayEnd::failed_at_start,
                 fmt::format("{} could not be started: {}", plan.name, child.error().message)};
       }
-      members_.push_back({plan, std::move(*child), false, {}});
+      members_.push_back(
+          {plan, std::move(*child), false, {}, RestartLimit(options_.restarts_per_minute, 60'000)});
     }
     std::optional<PlayOutcome> outcome;
     while (!outcome) {
@@ -145,11 +145,7 @@ class World {
         return PlayOutcome{PlayEnd::failed_at_start,
                            fmt::format("{} while the world was starting, {}", end, why)};
       }
-      if (member.plan.name != "gateway") {
-        return PlayOutcome{PlayEnd::failed_later,
-                           fmt::format("{}, and its bodies with it: the world is stopped", end)};
-      }
-      if (!gateway_restarts_.allow(now_ms())) {
+      if (!member.restarts.allow(now_ms())) {
         return PlayOutcome{PlayEnd::failed_later,
                            fmt::format("{} too often within a minute: the world is stopped", end)};
       }
@@ -205,7 +201,6 @@ class World {
   const SupervisorOptions& options_;
   const std::vector<ProcessPlan>& plan_;
   SignalQueue signals_;
-  RestartLimit gateway_restarts_;
   std::vector<Member> members_;
   std::int64_t started_ms_ = now_ms();
   bool open_ = false;

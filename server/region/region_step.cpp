@@ -219,6 +219,8 @@ void RegionCore::spawn(Tick now) {
     // After a leap of world time the bodies of the time between come bit by bit.
     const std::uint64_t made =
         std::min(injected_count(injector, now), injected_[i] + injected_per_step_max);
+    // A world that starts again from older states of others may be behind ours.
+    if (made <= injected_[i]) continue;
     for (std::uint64_t n = injected_[i]; n < made; ++n) {
       const InjectedBody body = injected_body(injector, n);
       if (map_.region_at(body.state.position.x, body.state.position.z) != self_) continue;

@@ -129,14 +129,21 @@ TEST_CASE(
   REQUIRE(fakes.all_gone());
 }
 
-TEST_CASE("a region that dies while the world runs stops the world, and play says which one") {
+TEST_CASE("a region that dies while the world runs is started again, and the others stay") {
   const Fakes fakes("");
   auto world = play();
   world.wait_for_line("Open ");
-  kill(fakes.started().find("r2")->second, SIGKILL);
-  REQUIRE(world.wait_for_end() == "exit code 1");
-  REQUIRE(world.err.back() ==
-          "aureole: r2 ended (killed by signal 9), and its bodies with it: the world is stopped");
+  const auto before = fakes.started();
+  kill(before.find("r2")->second, SIGKILL);
+  world.wait_for_line("play: r2 ended (killed by signal 9); starting it again");
+  for (int i = 0; i < 1000 && fakes.started().count("r2") < 2; ++i) usleep(10'000);
+  REQUIRE(fakes.started().count("r2") == 2);
+  for (const char* name : {"r0", "r1", "gateway"}) {
+    REQUIRE(fakes.started().count(name) == 1);
+    REQUIRE(kill(before.find(name)->second, 0) == 0);
+  }
+  world.signal(SIGTERM);
+  REQUIRE(world.wait_for_end() == "exit code 0");
   REQUIRE(fakes.all_gone());
 }
 

@@ -59,7 +59,8 @@ Json json_of(const RegionReport& report, const std::string& name, const WorldDef
           {"removed_strays", report.removed_strays},
           {"unacknowledged", report.unacknowledged},
           {"outside", std::move(outside)},
-          {"tolerance_events", report.tolerance_events}};
+          {"tolerance_events", report.tolerance_events},
+          {"recovering", report.recovering}};
 }
 
 Json json_of(const PlayerReport& report) {

@@ -243,10 +243,7 @@ bool Recovery::is_ours(BodyId id, const Known& known) const {
 Recovery::Outcome Recovery::decide(Tick now) const {
   Outcome outcome;
   outcome.heard = heard_;
-  outcome.nobody_knew =
-      !snapshot_ && std::none_of(peers_.begin(), peers_.end(), [](const auto& entry) {
-        return !entry.first.is_region() && entry.second.has_ever_answered;
-      });
+  outcome.nobody_knew = !snapshot_ && heard_.value < 0;
   for (const auto& [id, known] : known_) {
     outcome.known.insert(id);
     if (!is_ours(id, known)) continue;

@@ -19,9 +19,18 @@ TEST_CASE("a table shows the world, then one line for each region") {
   REQUIRE_FALSE(all_up(*status));
   REQUIRE(status_table(*status) ==
           "world time 12.3 s, 7 bodies, 1 players\n"
-          "region            bodies    awake    p50 ms    max ms   came in  went out\n"
-          "north      up          4        2      1.25      9.50         3         1\n"
-          "south?[2J  DOWN        3        0      0.00      0.00         1         3\n");
+          "region                  bodies    awake    p50 ms    max ms   came in  went out\n"
+          "north      up                4        2      1.25      9.50         3         1\n"
+          "south?[2J  DOWN              3        0      0.00      0.00         1         3\n");
+}
+
+TEST_CASE("a region that recovers is there, but not up") {
+  std::string text = two_regions;
+  text.replace(text.find("\"up\": false"), 11, "\"up\": true, \"recovering\": true");
+  const auto status = parse_world_status(text);
+  REQUIRE(status);
+  REQUIRE_FALSE(all_up(*status));
+  REQUIRE(status_table(*status).find("RECOVERING  ") != std::string::npos);
 }
 
 TEST_CASE("a tolerance that is not kept is named with its region, its peer and its tick") {

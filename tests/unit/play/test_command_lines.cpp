@@ -29,6 +29,17 @@ TEST_CASE("each region is told its number, its port and every other region") {
                                    "r0=127.0.0.1:20000", "--peer", "r2=127.0.0.1:20002"});
 }
 
+TEST_CASE("each region is told where its state survives it, the gateway is not") {
+  auto plan = three_regions();
+  plan.state = "/state";
+  for (const auto& process : processes_of(plan)) {
+    const auto& words = process.arguments;
+    const auto at = std::find(words.begin(), words.end(), "--state");
+    REQUIRE((at != words.end()) == (process.name != "gateway"));
+    if (at != words.end()) REQUIRE(*(at + 1) == "/state");
+  }
+}
+
 TEST_CASE("the gateway is told the page's address and every region") {
   const auto gateway = processes_of(three_regions()).back();
   REQUIRE(gateway.name == "gateway");
