@@ -32,6 +32,8 @@ constexpr double island_clearance_m = 0.1;
 /// A cluster that has to go somewhere goes to the lowest server that has anything this near to it (m):
 /// at a corner it would be fetched on to that one soon.
 constexpr double corner_clearance_m = 1.0;
+/// The same for what lies on the way of something that moves (s).
+constexpr double onward_s = 0.5;
 
 /// What moves goes home only if it meets nothing but bodies of its new host for so long (s): it
 /// would be fetched back at once, and perhaps on from there.
@@ -52,7 +54,7 @@ class AdaptivePolicy final : public MigrationPolicy {
     prepare(s);
     MigrationDecision decision;
     Leaving leaving;
-    std::map<RegionId, std::set<BodyId>> pulls;
+    Pulls pulls;
     answer_requests(s, leaving);
     settle_overlaps(s, leaving, pulls);
     send_home(s, leaving);
@@ -60,13 +62,14 @@ class AdaptivePolicy final : public MigrationPolicy {
       std::sort(bodies.begin(), bodies.end());
       decision.leaving.push_back({to, std::move(bodies)});
     }
-    for (auto& [from, bodies] : pulls)
-      decision.pulls.push_back({from, {bodies.begin(), bodies.end()}});
+    for (auto& [way, bodies] : pulls)
+      decision.pulls.push_back({way.first, way.second, {bodies.begin(), bodies.end()}});
     project(s, decision);
     return decision;
   }
 
  private:
+  using Pulls = std::map<std::pair<RegionId, RegionId>, std::set<BodyId>>;
   using Leaving = std::map<RegionId, std::vector<BodyId>>;
   static constexpr std::size_t none = static_cast<std::size_t>(-1);
   struct Cluster {
@@ -123,6 +126,9 @@ class AdaptivePolicy final : public MigrationPolicy {
     for (std::uint32_t i = 0; i < s.hosted.size(); ++i)
       if (!rests(i)) unrest_[s.hosted[i].id] = s.now;
     std::erase_if(unrest_, [&](const auto& entry) { return s.now - entry.second > quiet_ticks; });
+    nothing_moves_ = unrest_.empty() &&
+                     std::all_of(s.remote.begin(), s.remote.end(),
+                                 [](const RemoteAura& aura) { return aura.resting; });
   }
 
   /// Index of the cluster that the body belongs to; found when first asked for.
@@ -165,8 +171,7 @@ class AdaptivePolicy final : public MigrationPolicy {
 
   /// Brings overlapping pairs together of which at least one moves. Owners thus change only towards
   /// lower numbers while things meet, and debris on a corner is not passed around.
-  void settle_overlaps(const MigrationSituation& s, Leaving& leaving,
-                       std::map<RegionId, std::set<BodyId>>& pulls) {
+  void settle_overlaps(const MigrationSituation& s, Leaving& leaving, Pulls& pulls) {
     std::vector<std::uint32_t> found;
     std::map<std::size_t, std::vector<const RemoteAura*>> contested;
     visitors_.assign(s.hosted.size(), {});
@@ -185,12 +190,15 @@ class AdaptivePolicy final : public MigrationPolicy {
     for (const auto& [cluster, auras] : contested) {
       // Ours is on its way already: the two must not swap.
       if (clusters_[cluster].sent) continue;
-      if (const RegionId to = lowest_near(s, cluster); to < s.self) {
-        send(s, cluster, to, leaving);
-        continue;
+      RegionId to = s.self;
+      for (std::uint32_t member : clusters_[cluster].members) {
+        to = lowest_near(s, boxes_[member], to);
+        if (!rests(member)) to = lowest_near(s, flight_aura(s.hosted[member], onward_s), to);
       }
+      for (const RemoteAura* aura : auras) to = lowest_near(s, aura->box, to);
       for (const RemoteAura* aura : auras)
-        if (aura->host > s.self) pulls[aura->host].insert(aura->id);
+        if (aura->host > s.self) pulls[{aura->host, to}].insert(aura->id);
+      send(s, cluster, to, leaving);
     }
   }
 
@@ -200,24 +208,22 @@ class AdaptivePolicy final : public MigrationPolicy {
     return remote_boxes_;
   }
 
-  /// The lowest server that has anything near the cluster, or whose region is near: our own number
-  /// included. All servers around a corner come to the same one.
-  RegionId lowest_near(const MigrationSituation& s, std::size_t cluster) const {
-    RegionId lowest = s.self;
+  /// The lowest server that has anything near the box, or whose region is near, if it is lower than
+  /// `lowest`. All servers around a corner come to the same one.
+  RegionId lowest_near(const MigrationSituation& s, AuraBox box, RegionId lowest) const {
+    box.half.array() += corner_clearance_m;
+    for (std::uint16_t k = 0; k < lowest.value; ++k)
+      if (s.linked[k] && s.map.area(RegionId{k}).overlaps(box.centre.x() - box.half.x(),
+                                                          box.centre.z() - box.half.z(),
+                                                          box.centre.x() + box.half.x(),
+                                                          box.centre.z() + box.half.z()))
+        lowest = RegionId{k};
     std::vector<std::uint32_t> found;
-    for (std::uint32_t member : clusters_[cluster].members) {
-      AuraBox box = boxes_[member];
-      box.half.array() += corner_clearance_m;
-      for (RegionId region : s.map.regions_within(box.centre.x(), box.centre.z(),
-                                                  corner_clearance_m + corner_clearance_m / 2))
-        if (region < lowest && s.linked[region.value]) lowest = region;
-      found.clear();
-      remote_grid_.find(box, found);
-      for (std::uint32_t near : found) {
-        const RegionId host = s.remote[near].host;
-        if (s.linked[host.value] && !index_of(s.hosted, s.remote[near].id))
-          lowest = std::min(lowest, host);
-      }
+    remote_grid_.find(box, found);
+    for (std::uint32_t near : found) {
+      const RegionId host = s.remote[near].host;
+      if (host < lowest && s.linked[host.value] && !index_of(s.hosted, s.remote[near].id))
+        lowest = host;
     }
     return lowest;
   }
@@ -274,7 +280,8 @@ class AdaptivePolicy final : public MigrationPolicy {
   bool may_leave(const MigrationSituation& s, std::uint32_t i) const {
     const HostedBody& body = s.hosted[i];
     // Who goes home may be met there at once, and fetched back.
-    return is_away(s, i) && !contested_[i] && s.now - body.changed_owner >= long_stay_ticks &&
+    const std::int64_t stay = nothing_moves_ ? calm_stay_ticks : long_stay_ticks;
+    return is_away(s, i) && !contested_[i] && s.now - body.changed_owner >= stay &&
            (!rests(i) || (!unrest_.contains(body.id) && is_calm(s, i)));
   }
 
@@ -307,8 +314,8 @@ class AdaptivePolicy final : public MigrationPolicy {
     }
   }
 
-  /// Whether nothing of the island that moves will soon meet bodies that stay here, or of servers
-  /// other than `home`.
+  /// Whether nothing of the island that moves will soon meet bodies that stay here, or that move, or
+  /// of servers other than `home`.
   bool flies_clear(const MigrationSituation& s, const std::set<std::size_t>& island,
                    RegionId home) const {
     std::vector<std::uint32_t> found;
@@ -323,7 +330,7 @@ class AdaptivePolicy final : public MigrationPolicy {
         found.clear();
         remote_grid_.find(way, found);
         for (std::uint32_t other : found)
-          if (s.remote[other].host != home) return false;
+          if (s.remote[other].host != home || !s.remote[other].resting) return false;
       }
     return true;
   }
@@ -376,6 +383,7 @@ class AdaptivePolicy final : public MigrationPolicy {
   std::vector<bool> contested_;
   std::vector<std::vector<RegionId>> visitors_;
   std::map<std::uint32_t, std::vector<std::uint32_t>> followers_;
+  bool nothing_moves_ = false;               ///< Here for quiet_ticks, nor what others project.
   std::unordered_map<BodyId, Tick> unrest_;  ///< When each body last moved or expected a blow.
 };
 

@@ -11,7 +11,7 @@
 namespace aureole {
 
 /// Slower blows than this are not passed on (m/s): what a stand-in takes without harm.
-inline constexpr double blow_speed_min_mps = 0.04;
+inline constexpr double blow_speed_min_mps = 0.025;
 
 /// What moves a body that is struck, and through it the next ones.
 struct Blow {

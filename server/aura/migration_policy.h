@@ -111,9 +111,10 @@ struct Migration {
   std::vector<BodyId> bodies;  ///< ascending
 };
 
-/// Bodies that we ask another server to hand over to us.
+/// Bodies that we ask another server to hand over to us, or to the server that ours go to.
 struct Pull {
   RegionId from;
+  RegionId to;
   std::vector<BodyId> bodies;  ///< ascending
 };
 
@@ -129,7 +130,7 @@ struct ProjectedAura {
 
 struct MigrationDecision {
   std::vector<Migration> leaving;        ///< Disjoint groups, ascending by destination.
-  std::vector<Pull> pulls;               ///< Ascending by region.
+  std::vector<Pull> pulls;               ///< Ascending by `from`, then by `to`.
   std::vector<ProjectedAura> projected;  ///< Ascending by id.
 };
 
@@ -161,11 +162,12 @@ inline constexpr double naive_hysteresis_m = 0.05;
 inline constexpr double home_hysteresis_m = 0.5;
 /// How far outside its host's region a resting body must be before it goes home by itself (m).
 inline constexpr double resting_hysteresis_m = 0.1;
-/// Half a second: at most two changes of owner in any second. Where a body may be fetched back at
-/// any moment (auras), what moves waits twice as long before it goes home.
+/// Half a second: at most two changes of owner in any second.
 inline constexpr std::int64_t stay_ticks = 32;
 /// The same for whoever may be fetched back at any moment: a second and a bit, so that a body that
 /// goes home, is fetched and goes home again has changed its owner twice in a second.
 inline constexpr std::int64_t long_stay_ticks = 64;
+/// When nothing moves any more anywhere near: all must be home a second after that.
+inline constexpr std::int64_t calm_stay_ticks = 58;
 
 }  // namespace aureole

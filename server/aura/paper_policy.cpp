@@ -235,7 +235,7 @@ class PaperPolicy final : public MigrationPolicy {
       aura.to = std::move(to);
     }
     for (auto& [from, bodies] : pulls)
-      decision.pulls.push_back({from, {bodies.begin(), bodies.end()}});
+      decision.pulls.push_back({from, s.self, {bodies.begin(), bodies.end()}});
   }
 
   /// The higher-numbered server hands over by itself once it knows of the pair. It does not yet if

@@ -20,6 +20,9 @@ struct Rectangle {
   bool contains(double x, double z) const {
     return x >= min_x && x < max_x && z >= min_z && z < max_z;
   }
+  bool overlaps(double low_x, double low_z, double high_x, double high_z) const {
+    return low_x < max_x && high_x >= min_x && low_z < max_z && high_z >= min_z;
+  }
   /// Distance from the point to the rectangle; 0 inside and on its edge (unit: m).
   double distance(double x, double z) const;
   friend bool operator==(const Rectangle&, const Rectangle&) = default;

@@ -68,7 +68,7 @@ void AuraExchange::link_down(RegionId id) {
 }
 
 Result<Tick> AuraExchange::receive(RegionId from, std::span<const std::byte> payload,
-                                   std::size_t prototypes) {
+                                   std::size_t prototypes, std::size_t regions) {
   const auto* message = verified<wire::Auras>(payload);
   if (message == nullptr) return Error{"an auras message is not valid"};
   const auto too_many = [](const auto* list) {
@@ -79,7 +79,7 @@ Result<Tick> AuraExchange::receive(RegionId from, std::span<const std::byte> pay
     return Error::format("more than {} auras in one message", max_auras);
   std::vector<RemoteAura> auras;
   std::vector<RestingNews> news;
-  std::vector<BodyId> pulls;
+  std::vector<HandoverRequest> pulls;
   Peer& peer = peers_[from];
   if (!peer.heard) news.push_back({RestingNews::Kind::told_all, from, {}});
   if (message->auras() != nullptr) {
@@ -103,8 +103,17 @@ Result<Tick> AuraExchange::receive(RegionId from, std::span<const std::byte> pay
       news.push_back({RestingNews::Kind::rests, from, *body});
     }
   }
-  if (message->pulls() != nullptr)
-    for (std::uint64_t id : *message->pulls()) pulls.push_back(BodyId{id});
+  if (message->pulls() != nullptr) {
+    const auto* to = message->pulls_to();
+    if (to == nullptr || to->size() != message->pulls()->size())
+      return Error{"an auras message asks for bodies without saying where they shall go"};
+    for (flatbuffers::uoffset_t i = 0; i < to->size(); ++i) {
+      if (to->Get(i) >= regions)
+        return Error::format("an auras message asks for a body for region {}; the world has {}",
+                             to->Get(i), regions);
+      pulls.push_back({BodyId{message->pulls()->Get(i)}, RegionId{to->Get(i)}});
+    }
+  }
   const Tick told_at{message->tick()};
   if (auras.empty() && news.empty() && pulls.empty()) return told_at;
   if (peer.theirs.size() + auras.size() > 4 * max_auras ||
@@ -128,7 +137,10 @@ std::vector<HandoverRequest> AuraExchange::take_in() {
   std::map<BodyId, RegionId> requested;
   std::map<BodyId, RemoteAura> all;
   for (auto& [id, peer] : peers_) {
-    for (BodyId body : peer.pulls) requested.try_emplace(body, id);
+    for (const HandoverRequest& pull : peer.pulls) {
+      const auto [at, fresh] = requested.try_emplace(pull.body, pull.to);
+      if (!fresh) at->second = std::min(at->second, pull.to);
+    }
     peer.pulls.clear();
     for (const auto& [body, aura] : peer.theirs) all.try_emplace(body, aura);
   }
@@ -149,7 +161,7 @@ std::vector<RestingNews> AuraExchange::take_resting_news() {
 }
 
 SharedBytes AuraExchange::frame_for(Peer& peer, std::map<BodyId, Sent>&& wanted,
-                                    const std::vector<std::uint64_t>& pulls, Tick now,
+                                    const std::vector<HandoverRequest>& pulls, Tick now,
                                     const AuraBodies& bodies) const {
   std::vector<wire::Aura> auras;
   std::vector<wire::Resting> resting;
@@ -195,11 +207,18 @@ SharedBytes AuraExchange::frame_for(Peer& peer, std::map<BodyId, Sent>&& wanted,
   const auto resting_at = builder.CreateVectorOfStructs(resting);
   const auto removed_at = builder.CreateVector(removed);
   const auto handed_over_at = builder.CreateVector(handed_over);
-  const auto pulls_at = builder.CreateVector(pulls);
+  std::vector<std::uint64_t> asked;
+  std::vector<std::uint16_t> asked_to;
+  for (const HandoverRequest& pull : pulls) {
+    asked.push_back(pull.body.value);
+    asked_to.push_back(pull.to.value);
+  }
+  const auto pulls_at = builder.CreateVector(asked);
+  const auto pulls_to_at = builder.CreateVector(asked_to);
   return std::make_shared<const Bytes>(
       finish_frame(builder,
                    wire::CreateAuras(builder, now.value, auras_at, resting_at, removed_at,
-                                     handed_over_at, pulls_at),
+                                     handed_over_at, pulls_at, pulls_to_at),
                    FrameType::auras));
 }
 
@@ -216,9 +235,9 @@ void AuraExchange::announce(Tick now, const MigrationDecision& decision, const A
     sent.speed = rounded_up(aura.speed_mps, speed_step_mps);
     for (RegionId to : aura.to) wanted[to].emplace(aura.id, sent);
   }
-  std::map<RegionId, std::vector<std::uint64_t>> pulls;
+  std::map<RegionId, std::vector<HandoverRequest>> pulls;
   for (const Pull& pull : decision.pulls)
-    for (BodyId id : pull.bodies) pulls[pull.from].push_back(id.value);
+    for (BodyId id : pull.bodies) pulls[pull.from].push_back({id, pull.to});
   for (auto& [id, peer] : peers_) {
     peer.frame.reset();
     if (peer.up) peer.frame = frame_for(peer, std::move(wanted[id]), pulls[id], now, bodies);

@@ -51,9 +51,10 @@ class AuraExchange {
   void link_down(RegionId peer);
 
   /// Checks a FrameType::auras payload and remembers what it says until take_in(), in room that
-  /// does not grow with the number of messages; nothing of a bad one is taken. `prototypes`: how
-  /// many there are. Returns the sender's tick.
-  Result<Tick> receive(RegionId from, std::span<const std::byte> payload, std::size_t prototypes);
+  /// does not grow with the number of messages; nothing of a bad one is taken. `prototypes`
+  /// and `regions`: how many there are. Returns the sender's tick.
+  Result<Tick> receive(RegionId from, std::span<const std::byte> payload, std::size_t prototypes,
+                       std::size_t regions);
   /// From now on what has arrived counts. Returns what others asked us to hand over, ascending by
   /// body.
   std::vector<HandoverRequest> take_in();
@@ -104,11 +105,11 @@ class AuraExchange {
     bool heard = false;                       ///< Something was received over this link.
     std::map<BodyId, Projection> projected;   ///< What the peer knows of us.
     std::map<BodyId, RemoteAura> theirs;      ///< What we know of the peer.
-    std::vector<BodyId> pulls;                ///< Of the newest message, until take_in().
+    std::vector<HandoverRequest> pulls;       ///< Of the newest message, until take_in().
     SharedBytes frame;
   };
   SharedBytes frame_for(Peer& peer, std::map<BodyId, Sent>&& wanted,
-                        const std::vector<std::uint64_t>& pulls, Tick now,
+                        const std::vector<HandoverRequest>& pulls, Tick now,
                         const AuraBodies& bodies) const;
 
   std::map<RegionId, Peer> peers_;

@@ -139,7 +139,7 @@ Status RegionCore::receive(PeerId from, const Frame& frame) {
     }
     case FrameType::auras: {
       auto told = aura_exchange_.receive(from.as_region(), frame.payload,
-                                         hosting_.definitions().size());
+                                         hosting_.definitions().size(), map_.size());
       if (!told) return told.error();
       tolerances_.heard(from.as_region(), *told);
       return Ok{};

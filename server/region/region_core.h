@@ -127,7 +127,7 @@ class RegionCore {
   static constexpr std::int64_t catch_up_ticks_max = 62;
   static constexpr std::int64_t status_interval_ticks = 16;
   /// A sleeping region decides again at least this often (islands wait their time before they go).
-  static constexpr std::int64_t decision_interval_ticks = 16;
+  static constexpr std::int64_t decision_interval_ticks = 8;
   /// After a link came up nothing is handed over before its peer has told its auras, or this has
   /// passed: whoever decides without them sends bodies where they cannot stay.
   static constexpr std::int64_t await_auras_ticks = 8;
