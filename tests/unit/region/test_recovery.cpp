@@ -380,7 +380,7 @@ TEST_CASE("a snapshot that is damaged or not of this region counts as none") {
   }
   SECTION("with any byte changed") {
     std::minstd_rand random(1);
-    for (int n = 0; n < 150; ++n) {
+    for (int n = 0; n < 30; ++n) {
       Bytes bad = good;
       bad[random() % bad.size()] ^= static_cast<std::byte>(1 + random() % 255);
       RegionCore core(world, RegionId{0}, Incarnation{9});
