@@ -54,30 +54,33 @@ void require_cut(RegionCluster& cluster, const WorldDefinition& world, int ticks
 
 }  // namespace
 
-TEST_CASE("a fast ball into the far end of a row across a boundary moves it as on one server") {
+TEST_CASE("a fast ball into the far end of a row across a boundary moves all of it") {
   for (const int count : {4, 10, 16})
     for (const float speed : {5.f, 20.f, 30.f})
       for (const double first : {49.7, 48.0, 46.0, 44.0}) {
-        auto whole = flat_world(1), split = flat_world(2, 50);
-        std::vector<BodyId> row;
-        for (auto* world : {&whole, &split}) {
-          world->prototypes[0].body.friction = 0;
-          row = {put(*world, ball, {first - 0.6 - speed * 1.0, 0.3, 0}, {speed, 0, 0})};
-          for (int i = 0; i < count; ++i)
-            row.push_back(
-                put(*world, ball, {first + 0.6 * i, 0.3, 0}, {0, 0, 0}, Activation::asleep));
-        }
+        auto world = flat_world(2, 50);
+        world.prototypes[0].body.friction = 0;
+        std::vector<BodyId> row{
+            put(world, ball, {first - 0.6 - speed * 1.0, 0.3, 0}, {speed, 0, 0})};
+        for (int i = 0; i < count; ++i)
+          row.push_back(put(world, ball, {first + 0.6 * i, 0.3, 0}, {0, 0, 0}, Activation::asleep));
         for (const int delay : {0, 1}) {
-          RegionCluster one(whole), two(split, delay);
-          two.step(100);
-          one.step(100);
+          RegionCluster cluster(world, delay);
+          step_to(cluster, 100, row);
           INFO("row of " << count << " from " << first << ", " << speed << " m/s, delay " << delay);
-          CHECK(struck(two, split) == 0);
-          const auto last = row.back();
-          if (two.owner(last)) {
-            const double a = one.state(last).position.x, b = two.state(last).position.x;
-            CHECK(std::abs(a - b) < 0.1 + 0.1 * std::abs(a - first - 0.6 * (count - 1)));
+          CHECK(struck(cluster, world) == 0);
+          // How the balls share the momentum depends on the order in which the solver meets them;
+          // that it is kept, that all are pushed, and that none passes another does not.
+          double momentum_mps = 0, before = -inf;
+          for (std::size_t i = 0; i < row.size(); ++i) {
+            REQUIRE(cluster.owner(row[i]));
+            const BodyState state = cluster.state(row[i]);
+            momentum_mps += double{state.linear_velocity.x()};
+            CHECK(state.position.x > before + 0.59);
+            before = state.position.x;
+            if (i > 0) CHECK(state.position.x > first + 0.6 * static_cast<double>(i - 1) + 0.05);
           }
+          CHECK(std::abs(momentum_mps - double{speed}) < 0.1 * double{speed});
         }
       }
 }
@@ -110,10 +113,10 @@ TEST_CASE("a wall of 200 bricks along the boundary is hit in the middle") {
     std::vector<BodyId> wall;
     for (int level = 0; level < 10; ++level)
       for (int i = 0; i < 20; ++i)
-        wall.push_back(put(world, plank,
-                           {50.0 + 0.1 * (i % 3 - 1), 0.15 + 0.3 * level,
-                            1.0 * i - 10 + 0.5 * (level % 2)},
-                           {0, 0, 0}, Activation::asleep));
+        wall.push_back(
+            put(world, plank,
+                {50.0 + 0.1 * (i % 3 - 1), 0.15 + 0.3 * level, 1.0 * i - 10 + 0.5 * (level % 2)},
+                {0, 0, 0}, Activation::asleep));
     world.prototypes[0].body.mass_kg = 10;
     put(world, ball, {20, 2.0, 0.2}, {25, 5.5f, 0});
     RegionCluster cluster(world, delay);
@@ -136,10 +139,9 @@ TEST_CASE("a ball dropped on a heap over a corner strikes no stand-in, and the h
     for (int level = 0; level < 4; ++level)
       for (int i = 0; i < 4 - level; ++i)
         for (int k = 0; k < 4 - level; ++k)
-          heap.push_back(put(world, box,
-                             {i - 0.5 * (3 - level) + 0.1, 0.5 + level,
-                              k - 0.5 * (3 - level) - 0.2},
-                             {0, 0, 0}, Activation::asleep));
+          heap.push_back(put(
+              world, box, {i - 0.5 * (3 - level) + 0.1, 0.5 + level, k - 0.5 * (3 - level) - 0.2},
+              {0, 0, 0}, Activation::asleep));
     const BodyId dropped = put(world, ball, {0.1, 18, 0.15});
     RegionCluster cluster(world, delay);
     require_cut(cluster, world, 60);
@@ -152,8 +154,7 @@ TEST_CASE("a ball dropped on a heap over a corner strikes no stand-in, and the h
       const BodyState state = cluster.state(id);
       CHECK(state.activation == Activation::asleep);
       const int home = (state.position.x >= 0 ? 1 : 0) + (state.position.z >= 0 ? 2 : 0);
-      const bool on_the_line =
-          std::abs(state.position.x) < 0.5 || std::abs(state.position.z) < 0.5;
+      const bool on_the_line = std::abs(state.position.x) < 0.5 || std::abs(state.position.z) < 0.5;
       CHECK((on_the_line || cluster.owner(id) == home));
     }
   }
@@ -164,8 +165,8 @@ TEST_CASE("a heap that rests on one server is cut without anybody noticing") {
   std::vector<BodyId> heap;
   for (int level = 0; level < 5; ++level)
     for (int i = 0; i < 6 - level; ++i)
-      heap.push_back(put(world, box, {47.5 + i + 0.5 * level, 0.5 + level, 0}, {0, 0, 0},
-                         Activation::asleep));
+      heap.push_back(
+          put(world, box, {47.5 + i + 0.5 * level, 0.5 + level, 0}, {0, 0, 0}, Activation::asleep));
   for (auto& body : world.bodies) body.host = RegionId{0};
   RegionCluster cluster(world, 1);
   cluster.step(150);

@@ -1,0 +1,153 @@
+"""The mechanisms that correctness rests on, each with the change that breaks it and the tests that
+must notice.
+
+`file` is changed by replacing `old`, which must occur exactly once, with `new`. `killers` are names
+of test cases (Catch2 patterns) of `target`; at least one must fail. A mutation whose text is no
+longer there is an error: then the mechanism has changed, and its mutation has to follow.
+"""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Mutation:
+    name: str
+    what: str
+    file: str
+    old: str
+    new: str
+    killers: tuple  # of (target, test case)
+
+
+REGION = "test_region"
+AURA = "test_aura"
+
+MUTATIONS = [
+    Mutation(
+        "version-check",
+        "a region that recovers claims what it knows of, whatever version others have",
+        "server/region/recovery/recovery.cpp",
+        "      known.newest = std::max(known.newest, trace.version);",
+        "      known.newest = std::max(known.newest, Version{});",
+        ((REGION, "a sender that dies after its group was accepted does not claim it"),
+         (REGION, "whatever dies, no body is lost and none has two owners")),
+    ),
+    Mutation(
+        "message-taken-once",
+        "a message that is sent again is taken again",
+        "server/region/handoff/journal.cpp",
+        "  if (sequence <= taken_) return Arrival::repeated;\n",
+        "",
+        ((REGION, "a group is not doubled when the link is reset after it arrived*"),
+         (REGION, "a handoff survives a reset of the link at any moment*")),
+    ),
+    Mutation(
+        "acknowledgement",
+        "what was sent counts as taken: after a reset nothing is sent again",
+        "server/region/handoff/journal.cpp",
+        "  sent_ = peer_taken_;",
+        "  sent_ = highest_sent_;",
+        ((REGION, "a group is neither lost nor doubled when the link is reset before it arrives"),
+         (REGION, "a handoff survives a reset of the link at any moment*")),
+    ),
+    Mutation(
+        "symmetric-rule",
+        "of two servers whose bodies meet each sends its own to the other",
+        "server/aura/adaptive_policy.cpp",
+        "      if (const RegionId to = lowest_near(s, cluster); to < s.self) {",
+        "      if (const RegionId to = auras.front()->host; to != s.self) {",
+        ((AURA, "both servers of a pair look at the same overlap and exactly one moves its body"),
+         (REGION, "two servers that see the same overlap do not swap their bodies for ever"),
+         (REGION, "both servers see the same overlap at the same tick*")),
+    ),
+    Mutation(
+        "corner-sharing",
+        "auras are told only to the regions that they reach into, not to those regions' neighbours",
+        "server/aura/adaptive_policy.cpp",
+        "          to.insert(around.begin(), around.end());",
+        "          static_cast<void>(around);",
+        ((AURA, "around a corner, servers that share no overlap*"),
+         (REGION, "Fig. 1, N and O*")),
+    ),
+    Mutation(
+        "manifold-transfer",
+        "contacts do not travel with a group",
+        "server/region/hosting.cpp",
+        "  physics_.install_contacts(contacts);\n",
+        "",
+        ((REGION, "a resting stack handed over awake moves less than a millimetre"),
+         (REGION, "a tower that leans hard on its foot*")),
+    ),
+    Mutation(
+        "catch-up",
+        "the receiver does not make up for the time in flight",
+        "server/region/region_step.cpp",
+        "    catch_up(group, {hosting_.definitions(), hosting_.physics(), present, recent, "
+        "AvatarTuning{}});\n",
+        "    group.tick = present;\n",
+        ((REGION, "a flight is not changed by the handoffs on its way, at any latency"),),
+    ),
+    Mutation(
+        "wake-neighbours",
+        "what leant on a body that another server takes away is not woken",
+        "server/region/stand_ins/stand_ins.cpp",
+        "  if (!down.empty()) physics_.remove_stand_ins(down, Wake::touching);",
+        "  if (!down.empty()) physics_.remove_stand_ins(down, Wake::nobody);",
+        ((REGION, "what stood on a neighbour's body falls when that is taken away"),
+         (REGION, "a tower on the boundary falls when its foot is struck*")),
+    ),
+    Mutation(
+        "wake-left-behind",
+        "what leant on a body that is handed away is not woken",
+        "server/region/hosting.cpp",
+        "  physics_.remove(gone);",
+        "  physics_.remove(gone, Wake::nobody);",
+        ((REGION, "a sleeping support that is handed away*"),),
+    ),
+    Mutation(
+        "fence-before-take-back",
+        "a region that recovers waits for nobody's answer",
+        "server/region/recovery/recovery.cpp",
+        "      if (!answered || goes_first) names.push_back(name_of(id));",
+        "      static_cast<void>(answered || goes_first);",
+        ((REGION, "a sender that dies after its group was accepted does not claim it"),
+         (REGION, "of two neighbours that are down at once exactly one claims a body that moved"),
+         (REGION, "whatever dies, no body is lost and none has two owners")),
+    ),
+    Mutation(
+        "all-stand-ins",
+        "every foreign body is a stand-in, whether it rests or moves",
+        "server/aura/adaptive_policy.cpp",
+        "  bool rests(std::uint32_t body) const { return expected_mps_[body] <= 0; }",
+        "  bool rests(std::uint32_t) const { return true; }",
+        ((REGION, "two balls that fly at each other over a boundary bounce off as on one server"),
+         (REGION, "a tower on the boundary falls when its foot is struck*")),
+    ),
+    Mutation(
+        "blow-forecast",
+        "blows are not passed on through contacts",
+        "server/aura/blow_forecast.cpp",
+        "  if (s.contacts != nullptr) pass_on(s, expected_mps);\n",
+        "",
+        ((AURA, "what will be struck through a row of contacts goes along before the blow"),
+         (REGION, "a fast ball into the far end of a row*")),
+    ),
+    Mutation(
+        "durable-acknowledgement",
+        "the sender forgets a group as soon as it is taken, before it is durable",
+        "server/region/handoff/journal.cpp",
+        "entries_.front().sequence <= durable) entries_.pop_front();",
+        "entries_.front().sequence <= taken) entries_.pop_front();",
+        ((REGION, "a group that was acknowledged an instant before the crash is sent again"),),
+    ),
+    Mutation(
+        "journal-not-resent",
+        "handoffs in a snapshot's journal are sent again after a recovery",
+        "server/region/recovery/region_recovery.cpp",
+        "      if (type == FrameType::commands) journal.append(type, payload);",
+        "      if (type != FrameType::effects) journal.append(type, payload);",
+        ((REGION, "of two neighbours that are down at once exactly one claims a body that moved"),
+         (REGION, "whatever dies, no body is lost and none has two owners"),
+         (REGION, "a sender that dies with its group in flight claims it*")),
+    ),
+]
