@@ -48,7 +48,8 @@ constexpr std::int64_t quiet_ticks = 32;
 
 class AdaptivePolicy final : public MigrationPolicy {
  public:
-  explicit AdaptivePolicy(const AuraTolerances& tolerances) : reach_s_(reach_time_s(tolerances)) {}
+  explicit AdaptivePolicy(const AuraTolerances& tolerances)
+      : reach_s_(reach_time_s(tolerances)), forecast_(reach_s_) {}
 
   MigrationDecision decide(const MigrationSituation& s) override {
     prepare(s);

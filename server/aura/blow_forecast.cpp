@@ -9,6 +9,15 @@ namespace {
 /// How much more than an even share one of several contacts may pass on.
 constexpr double unevenness = 2.0;
 
+/// Bullet finds no contact of two spheres with the least gap between them: so near they touch (m).
+constexpr double spheres_touch_m = 0.005;
+/// Other contacts exist before the shapes touch, this far apart (m): Bullet's breaking threshold.
+constexpr double contact_margin_m = 0.02;
+
+double gap_of_spheres(const HostedBody& a, const HostedBody& b) {
+  return distance(a.position, b.position) - a.bounding_radius_m - b.bounding_radius_m;
+}
+
 }  // namespace
 
 void BlowForecast::strike(const HostedBody& struck, std::uint32_t index, const Blow& blow,
@@ -59,24 +68,61 @@ void BlowForecast::compute(const MigrationSituation& s, std::span<const double> 
                expected_mps);
     }
   }
-  if (s.contacts != nullptr) pass_on(s, expected_mps);
+  if (s.contacts != nullptr) pass_on(s, grid, expected_mps);
 }
 
-void BlowForecast::pass_on(const MigrationSituation& s, std::vector<double>& expected_mps) {
+/// Sorts what is around a struck body into what it touches and what it may fly into.
+void BlowForecast::look_around(const MigrationSituation& s, const OverlapGrid& grid,
+                               std::uint32_t from, double speed_mps) {
+  const HostedBody& body = s.hosted[from];
+  touched_ids_.clear();
+  touched_.clear();
+  near_.clear();
+  s.contacts->touching(body.id, touched_ids_);
+  leaning_on_ = touched_ids_.size();
+  for (BodyId id : touched_ids_)
+    if (const auto index = index_of(s.hosted, id)) touched_.push_back(*index);
+  const double flight_m = speed_mps * reach_s_;
+  const bool flies = flight_m > contact_margin_m;
+  if (!body.round && !flies) return;
+  AuraBox reach{body.position.vector(), body.half_extents};
+  reach.half.array() += std::max(flight_m, spheres_touch_m);
+  found_.clear();
+  grid.find(reach, found_);
+  for (std::uint32_t other : found_) {
+    if (other == from || std::find(touched_.begin(), touched_.end(), other) != touched_.end())
+      continue;
+    const HostedBody& next = s.hosted[other];
+    if (body.round && next.round) {
+      const double gap = gap_of_spheres(body, next);
+      if (gap < spheres_touch_m) {
+        touched_.push_back(other);
+        ++leaning_on_;
+      } else if (gap < flight_m) {
+        near_.push_back(other);
+      }
+    } else if (flies && reach.overlaps({next.position.vector(), next.half_extents})) {
+      near_.push_back(other);
+    }
+  }
+}
+
+void BlowForecast::pass_on(const MigrationSituation& s, const OverlapGrid& grid,
+                           std::vector<double>& expected_mps) {
   for (std::size_t k = 0; k < front_.size(); ++k) {
     const std::uint32_t from = front_[k];
-    touched_.clear();
-    s.contacts->touching(s.hosted[from].id, touched_);
-    // One of them is where the blow came from.
-    const auto onward = static_cast<double>(std::max<std::size_t>(touched_.size(), 2) - 1);
+    const HostedBody& body = s.hosted[from];
+    look_around(s, grid, from, expected_mps[from]);
+    // One of them is where the blow came from. Those of other servers count too: their owners hear
+    // of our aura.
+    const auto onward = static_cast<double>(std::max<std::size_t>(leaning_on_, 2) - 1);
     Blow share = blows_[from];
     share.momentum_kgmps *= std::min(1.0, unevenness / onward);
-    for (BodyId id : touched_) {
-      const auto to = index_of(s.hosted, id);
-      if (!to) continue;  // A stand-in: its owner hears of our aura.
-      strike(s.hosted[*to], *to, share, s.hosted[from].restitution * s.hosted[*to].restitution,
-             expected_mps);
-    }
+    for (std::uint32_t to : touched_)
+      strike(s.hosted[to], to, share, body.restitution * s.hosted[to].restitution, expected_mps);
+    const Blow alone{body.mass_kg * expected_mps[from], body.mass_kg};
+    for (std::uint32_t to : near_)
+      strike(s.hosted[to], to, alone, body.restitution * s.hosted[to].restitution, expected_mps);
   }
 }
 

@@ -32,9 +32,12 @@ struct Blow {
 /// there it goes through contacts, as an impulse does: a ball into a row of ten moves all ten within
 /// five steps. Along a row nothing is lost, but all that is pushed shares the momentum; where a body
 /// touches several others, each gets its share (twice an even one: force chains are uneven), so
-/// that a ball on a heap moves what is near it and not the whole heap.
+/// that a ball on a heap moves what is near it and not the whole heap. And it goes over gaps: a body
+/// that is struck may strike, by itself, what it reaches in the time that counts.
 class BlowForecast {
  public:
+  explicit BlowForecast(double reach_s) : reach_s_(reach_s) {}
+
   /// `boxes` are the auras of `hosted` by their own motion, in `grid`. `moving_mps` is each body's
   /// own speed, negative for one that rests. `disturbed`: whether the body meets anything on its way,
   /// ours or another server's, so that it may go on in any direction.
@@ -45,12 +48,19 @@ class BlowForecast {
  private:
   void strike(const HostedBody& struck, std::uint32_t index, const Blow& blow, double restitution,
               std::vector<double>& expected_mps);
-  void pass_on(const MigrationSituation& situation, std::vector<double>& expected_mps);
+  void pass_on(const MigrationSituation& situation, const OverlapGrid& grid,
+               std::vector<double>& expected_mps);
+  void look_around(const MigrationSituation& situation, const OverlapGrid& grid, std::uint32_t from,
+                   double speed_mps);
+
+  double reach_s_;
 
   std::vector<Blow> blows_;           ///< The hardest that each body may take.
   std::vector<std::uint32_t> front_;  ///< Bodies whose blow has not been passed on yet.
   std::vector<std::uint32_t> found_;
-  std::vector<BodyId> touched_;
+  std::vector<BodyId> touched_ids_;
+  std::vector<std::uint32_t> touched_, near_;  ///< Of the body in work.
+  std::size_t leaning_on_ = 0;  ///< Its contacts, with others' bodies too.
 };
 
 }  // namespace aureole

@@ -19,11 +19,12 @@ void StandInWatch::judge(const StandInLoad& load, Tick now, bool still, double m
     pair.cut_at_rest = still;
   }
   pair.last = now;
-  if (pair.cut_at_rest && now - pair.first < settling_ticks) {
+  const double rise_mps = double{load.impulse_ns - pair.base_ns} / mass_kg;
+  const bool settling = pair.cut_at_rest && now - pair.first < settling_ticks;
+  if (settling && (fresh || rise_mps < blow_mps)) {
     pair.base_ns = std::max(pair.base_ns, load.impulse_ns);
     return;
   }
-  const double rise_mps = double{load.impulse_ns - pair.base_ns} / mass_kg;
   if (rise_mps <= missed_mps * pressed_share) return;
   pressed_[load.body] = now + pressed_ticks;
   if (rise_mps <= missed_mps || pair.struck) return;

@@ -24,6 +24,8 @@ class StandInWatch {
   static constexpr double pressed_share = 0.5;
   /// Of a pair that rests: how long its load may find its level after the cut.
   static constexpr std::int64_t settling_ticks = 16;
+  /// No load that finds its level rises by so much in one step: a blow, even then.
+  static constexpr double blow_mps = 1.0;
   static constexpr std::int64_t pressed_ticks = 32;
 
   /// `still`: whether the body on our side lies still; `mass_kg` of the stand-in's prototype.

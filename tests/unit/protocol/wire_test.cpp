@@ -36,10 +36,12 @@ Bytes a_handoff() {
   const wire::Command command(1, 2, 3, wire::CommandKind::blast, 0, 0, 0, 0, 0, 0, 0);
   const auto waiting = b.CreateVectorOfStructs(&command, 1);
   const std::vector players{
-      wire::CreateHandoffPlayer(b, 1, 2, 3, 4, true, 5, 6, 7, 8, 9, 10, 11, waiting)};
+      wire::CreateHandoffPlayer(b, 1, 2, 3, 4, true, 5, 6, 7, 8, 9, 10, 11, 12, waiting)};
   const auto all_manifolds = b.CreateVector(manifolds);
   const auto all_players = b.CreateVector(players);
-  return payload_of(b, wire::CreateHandoff(b, 9, bodies, all_manifolds, all_players));
+  const wire::Resting resting;
+  const auto stand_ins = b.CreateVectorOfStructs(&resting, 1);
+  return payload_of(b, wire::CreateHandoff(b, 9, bodies, all_manifolds, all_players, stand_ins));
 }
 
 Bytes some_effects() {
