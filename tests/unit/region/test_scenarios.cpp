@@ -197,6 +197,24 @@ TEST_CASE("Fig. 1, N and O: two visitors in a third server's region meet as on o
     }
 }
 
+TEST_CASE("Fig. 1, N and O: two visitors meet whose auras reach nothing but the third region") {
+  for (const int delay : {0, 1}) {
+    auto world = four_way_world();
+    // Not far enough from home to go to server 0 before they touch.
+    const BodyId n = put_on(world, 2, {-1.04, 0.3, -0.31}, {0.35f, 0, -0.35f});
+    const BodyId o = put_on(world, 1, {-0.31, 0.3, -1.04}, {-0.35f, 0, 0.35f});
+    RegionCluster cluster(world, delay);
+    double nearest = inf;
+    for (int tick = 0; tick < 100; ++tick) {
+      cluster.step();
+      nearest = std::min(nearest, gap(cluster, n, o).value_or(inf));
+    }
+    INFO("delay " << delay);
+    CHECK(nearest > 0.58);
+    CHECK(nearest < 0.65);
+  }
+}
+
 TEST_CASE("both servers see the same overlap at the same tick, and one body migrates, not two") {
   for (const int delay : {0, 1, 2})
     for (const auto mode : projecting) {
