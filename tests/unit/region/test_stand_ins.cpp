@@ -52,35 +52,49 @@ void require_cut(RegionCluster& cluster, const WorldDefinition& world, int ticks
     REQUIRE(cluster.core(i).statistics().migrations_out == 0);
 }
 
+/// Of bodies of 1 kg.
+double row_momentum_mps(RegionCluster& cluster, std::span<const BodyId> row) {
+  double sum = 0;
+  for (BodyId id : row) sum += double{cluster.state(id).linear_velocity.x()};
+  return sum;
+}
+
 }  // namespace
 
-TEST_CASE("a fast ball into the far end of a row across a boundary moves all of it") {
+TEST_CASE("a fast ball into the far end of a row across a boundary moves it as on one server") {
   for (const int count : {4, 10, 16})
     for (const float speed : {5.f, 20.f, 30.f})
       for (const double first : {49.7, 48.0, 46.0, 44.0}) {
-        auto world = flat_world(2, 50);
-        world.prototypes[0].body.friction = 0;
-        std::vector<BodyId> row{
-            put(world, ball, {first - 0.6 - speed * 1.0, 0.3, 0}, {speed, 0, 0})};
-        for (int i = 0; i < count; ++i)
-          row.push_back(put(world, ball, {first + 0.6 * i, 0.3, 0}, {0, 0, 0}, Activation::asleep));
+        auto whole = flat_world(1), split = flat_world(2, 50);
+        std::vector<BodyId> row;
+        for (auto* world : {&whole, &split}) {
+          world->prototypes[0].body.friction = 0;
+          row = {put(*world, ball, {first - 0.6 - speed * 1.0, 0.3, 0}, {speed, 0, 0})};
+          for (int i = 0; i < count; ++i)
+            row.push_back(
+                put(*world, ball, {first + 0.6 * i, 0.3, 0}, {0, 0, 0}, Activation::asleep));
+        }
+        RegionCluster one(whole);
+        one.step(100);
+        const double expected_mps = row_momentum_mps(one, row);
         for (const int delay : {0, 1}) {
-          RegionCluster cluster(world, delay);
-          step_to(cluster, 100, row);
+          RegionCluster two(split, delay);
+          step_to(two, 100, row);
           INFO("row of " << count << " from " << first << ", " << speed << " m/s, delay " << delay);
-          CHECK(struck(cluster, world) == 0);
-          // How the balls share the momentum depends on the order in which the solver meets them;
-          // that it is kept, that all are pushed, and that none passes another does not.
-          double momentum_mps = 0, before = -inf;
-          for (std::size_t i = 0; i < row.size(); ++i) {
-            REQUIRE(cluster.owner(row[i]));
-            const BodyState state = cluster.state(row[i]);
-            momentum_mps += double{state.linear_velocity.x()};
-            CHECK(state.position.x > before + 0.59);
-            before = state.position.x;
-            if (i > 0) CHECK(state.position.x > first + 0.6 * static_cast<double>(i - 1) + 0.05);
+          CHECK(struck(two, split) == 0);
+          // How the balls share it depends on the order in which the solver meets them; how much
+          // there is does not.
+          CHECK(std::abs(row_momentum_mps(two, row) - expected_mps) < 0.1 * double{speed});
+          int unmoved = 0, out_of_order = 0;
+          for (std::size_t i = 1; i < row.size(); ++i) {
+            const double x = two.state(row[i]).position.x;
+            const double began = first + 0.6 * static_cast<double>(i - 1);
+            const bool moved_alone = std::abs(one.state(row[i]).position.x - began) > 0.05;
+            unmoved += moved_alone && std::abs(x - began) < 0.01;
+            out_of_order += x < two.state(row[i - 1]).position.x;
           }
-          CHECK(std::abs(momentum_mps - double{speed}) < 0.1 * double{speed});
+          CHECK(unmoved == 0);
+          CHECK(out_of_order == 0);
         }
       }
 }
