@@ -39,7 +39,8 @@ constexpr double onward_s = 0.5;
 /// would be fetched back at once, and perhaps on from there.
 constexpr double clear_flight_s = 1.0;
 
-/// How far from anything that moves a resting body must be before it goes home (m).
+/// How far from anything that moves, and from its way of the next second, a resting body must be
+/// before it goes home (m).
 constexpr double calm_clearance_m = 1.0;
 
 /// Whoever has moved or expected a blow stays where it is for so long before it counts as resting
@@ -112,6 +113,7 @@ class AdaptivePolicy final : public MigrationPolicy {
     }
     if (grown) grid_.build(boxes_);
     note_unrest(s);
+    threats_known_ = false;
     cluster_.assign(s.hosted.size(), none);
     clusters_.clear();
     contested_.assign(s.hosted.size(), false);
@@ -263,22 +265,34 @@ class AdaptivePolicy final : public MigrationPolicy {
 
   /// Whether nothing that moves is near: a heap is cut where it has come to rest, not where the next
   /// blow is about to fall.
-  bool is_calm(const MigrationSituation& s, std::uint32_t body) const {
+  bool is_calm(const MigrationSituation& s, std::uint32_t body) {
     AuraBox box = boxes_[body];
     box.half.array() += calm_clearance_m;
+    if (!threats_known_) find_threats(s);
     std::vector<std::uint32_t> found;
-    grid_.find(box, found);
-    for (std::uint32_t other : found)
-      if (!rests(other)) return false;
-    found.clear();
-    remote_grid_.find(box, found);
-    for (std::uint32_t other : found)
-      if (!s.remote[other].resting) return false;
-    return true;
+    threat_grid_.find(box, found);
+    return found.empty();
+  }
+
+  /// Where everything that moves may be within the next second if nothing turns it.
+  void find_threats(const MigrationSituation& s) {
+    threats_.clear();
+    for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
+      if (rests(i)) continue;
+      threats_.push_back(boxes_[i]);
+      if (moving_mps_[i] > 0) threats_.push_back(flight_aura(s.hosted[i], clear_flight_s));
+    }
+    for (const RemoteAura& aura : s.remote) {
+      if (aura.resting) continue;
+      threats_.push_back(aura.box);
+      threats_.back().half.array() += aura.speed_mps * clear_flight_s;
+    }
+    threat_grid_.build(threats_);
+    threats_known_ = true;
   }
 
   /// Whether the body alone would let its island leave.
-  bool may_leave(const MigrationSituation& s, std::uint32_t i) const {
+  bool may_leave(const MigrationSituation& s, std::uint32_t i) {
     const HostedBody& body = s.hosted[i];
     // Who goes home may be met there at once, and fetched back.
     const std::int64_t stay = nothing_moves_ ? calm_stay_ticks : long_stay_ticks;
@@ -378,6 +392,9 @@ class AdaptivePolicy final : public MigrationPolicy {
   OverlapGrid grid_;
   OverlapGrid remote_grid_;  ///< Of others' auras.
   std::vector<AuraBox> remote_boxes_;
+  OverlapGrid threat_grid_;  ///< Built when asked for.
+  std::vector<AuraBox> threats_;
+  bool threats_known_ = false;
   BlowForecast forecast_;
   std::vector<std::size_t> cluster_;
   std::vector<Cluster> clusters_;
