@@ -4,12 +4,14 @@
 // handoff take, blows that it may soon take included (blow_forecast.h). A resting body that nothing
 // will strike hardly reaches further than its shape. Auras that reach beyond their region are
 // projected to all servers that may host something there. Two bodies whose auras overlap must be
-// hosted together unless both rest; then each is to the other a wall that does not move, a stand-in.
+// hosted together unless both rest; then each is to the other a wall that does not move, a
+// stand-in.
 //
 //   - Between two servers bodies that must meet always go to the one with the lower number, so that
 //     two servers can never disagree and swap them for ever: the higher one sends as soon as it
 //     knows, the lower one asks for what the other may not know of.
-//   - With a body goes its cluster: everything here whose auras overlap, recursively, so that a move
+//   - With a body goes its cluster: everything here whose auras overlap, recursively, so that a
+//   move
 //     does not tear apart what touches (section 3.4, thrashing). It ends at pairs that rest.
 //   - A cluster of which no member reaches into the host's region, and which no projected aura
 //     touches, is an island: it goes to the region that holds most of it (section 3.5). What rests
@@ -29,8 +31,8 @@ namespace {
 /// Air that an island needs around it before it goes home (m); more than an aura is rounded by.
 constexpr double island_clearance_m = 0.1;
 
-/// A cluster that has to go somewhere goes to the lowest server that has anything this near to it (m):
-/// at a corner it would be fetched on to that one soon.
+/// A cluster that has to go somewhere goes to the lowest server that has anything this near to it
+/// (m): at a corner it would be fetched on to that one soon.
 constexpr double corner_clearance_m = 1.0;
 /// The same for what lies on the way of something that moves (s).
 constexpr double onward_s = 0.5;
@@ -80,7 +82,8 @@ class AdaptivePolicy final : public MigrationPolicy {
   };
 
   static bool lies_still(const HostedBody& body) {
-    return !body.pressed && body.deed_speed_mps <= 0 && (body.asleep || body.still_ticks >= resting_ticks);
+    return !body.pressed && body.deed_speed_mps <= 0 &&
+           (body.asleep || body.still_ticks >= resting_ticks);
   }
   bool rests(std::uint32_t body) const { return expected_mps_[body] <= 0; }
 
@@ -95,8 +98,8 @@ class AdaptivePolicy final : public MigrationPolicy {
     moving_mps_.clear();
     for (const HostedBody& body : s.hosted) {
       // What has just stopped may start again: it counts as moving, if only a little.
-      moving_mps_.push_back(
-          lies_still(body) ? -1.0 : std::max(body.surface_speed_mps, still_speed_mps));
+      moving_mps_.push_back(lies_still(body) ? -1.0
+                                             : std::max(body.surface_speed_mps, still_speed_mps));
       boxes_.push_back(own_aura(body));
     }
     grid_.build(boxes_);
@@ -104,8 +107,8 @@ class AdaptivePolicy final : public MigrationPolicy {
     bool grown = false;
     for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
       if (s.hosted[i].deed_speed_mps > 0) disturbed_[i] = true;
-      if (rests(i) || (!disturbed_[i] && !s.hosted[i].near_geometry &&
-                       expected_mps_[i] <= moving_mps_[i]))
+      if (rests(i) ||
+          (!disturbed_[i] && !s.hosted[i].near_geometry && expected_mps_[i] <= moving_mps_[i]))
         continue;
       const double speed = std::max(expected_mps_[i], s.hosted[i].deed_speed_mps);
       boxes_[i] = struck_aura(s.hosted[i], speed, reach_s_);
@@ -129,9 +132,9 @@ class AdaptivePolicy final : public MigrationPolicy {
     for (std::uint32_t i = 0; i < s.hosted.size(); ++i)
       if (!rests(i)) unrest_[s.hosted[i].id] = s.now;
     std::erase_if(unrest_, [&](const auto& entry) { return s.now - entry.second > quiet_ticks; });
-    nothing_moves_ = unrest_.empty() &&
-                     std::all_of(s.remote.begin(), s.remote.end(),
-                                 [](const RemoteAura& aura) { return aura.resting; });
+    nothing_moves_ =
+        unrest_.empty() && std::all_of(s.remote.begin(), s.remote.end(),
+                                       [](const RemoteAura& aura) { return aura.resting; });
   }
 
   /// Index of the cluster that the body belongs to; found when first asked for.
@@ -216,10 +219,10 @@ class AdaptivePolicy final : public MigrationPolicy {
   RegionId lowest_near(const MigrationSituation& s, AuraBox box, RegionId lowest) const {
     box.half.array() += corner_clearance_m;
     for (std::uint16_t k = 0; k < lowest.value; ++k)
-      if (s.linked[k] && s.map.area(RegionId{k}).overlaps(box.centre.x() - box.half.x(),
-                                                          box.centre.z() - box.half.z(),
-                                                          box.centre.x() + box.half.x(),
-                                                          box.centre.z() + box.half.z()))
+      if (s.linked[k] &&
+          s.map.area(RegionId{k})
+              .overlaps(box.centre.x() - box.half.x(), box.centre.z() - box.half.z(),
+                        box.centre.x() + box.half.x(), box.centre.z() + box.half.z()))
         lowest = RegionId{k};
     std::vector<std::uint32_t> found;
     remote_grid_.find(box, found);
@@ -263,8 +266,8 @@ class AdaptivePolicy final : public MigrationPolicy {
            (rests(body) ? resting_hysteresis_m : home_hysteresis_m);
   }
 
-  /// Whether nothing that moves is near: a heap is cut where it has come to rest, not where the next
-  /// blow is about to fall.
+  /// Whether nothing that moves is near: a heap is cut where it has come to rest, not where the
+  /// next blow is about to fall.
   bool is_calm(const MigrationSituation& s, std::uint32_t body) {
     AuraBox box = boxes_[body];
     box.half.array() += calm_clearance_m;
@@ -329,8 +332,8 @@ class AdaptivePolicy final : public MigrationPolicy {
     }
   }
 
-  /// Whether nothing of the island that moves will soon meet bodies that stay here, or that move, or
-  /// of servers other than `home`.
+  /// Whether nothing of the island that moves will soon meet bodies that stay here, or that move,
+  /// or of servers other than `home`.
   bool flies_clear(const MigrationSituation& s, const std::set<std::size_t>& island,
                    RegionId home) const {
     std::vector<std::uint32_t> found;
@@ -379,8 +382,12 @@ class AdaptivePolicy final : public MigrationPolicy {
       }
       to.erase(s.self);
       if (!to.empty())
-        decision.projected.push_back({s.hosted[i].id, box, s.hosted[i].asleep, rests(i),
-                                      expected_mps_[i], {to.begin(), to.end()}});
+        decision.projected.push_back({s.hosted[i].id,
+                                      box,
+                                      s.hosted[i].asleep,
+                                      rests(i),
+                                      expected_mps_[i],
+                                      {to.begin(), to.end()}});
     }
   }
 

@@ -17,9 +17,8 @@ constexpr double tripped = 0.5;
 /// A turning body fills its bounding sphere sooner or later.
 Eigen::Vector3d turning_extents(const HostedBody& body, double speed_mps, double reach_s) {
   const double sphere = body.bounding_radius_m;
-  return body.half_extents.unaryExpr([&](double half) {
-    return std::max(half, std::min(sphere, half + speed_mps * reach_s));
-  });
+  return body.half_extents.unaryExpr(
+      [&](double half) { return std::max(half, std::min(sphere, half + speed_mps * reach_s)); });
 }
 
 }  // namespace

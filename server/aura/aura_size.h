@@ -12,9 +12,9 @@ namespace aureole {
 inline constexpr double resting_margin_m = 0.08;
 
 /// How long from the moment that an aura is measured until the two bodies that it brings together
-/// are stepped by one server (s). Two servers that both know of a pair need two flights of eq. (1)'s
-/// ceil((2 T_F + T_L) / T_P) steps; one that has to ask needs three. One step more for what changes
-/// while it is decided.
+/// are stepped by one server (s). Two servers that both know of a pair need two flights of eq.
+/// (1)'s ceil((2 T_F + T_L) / T_P) steps; one that has to ask needs three. One step more for what
+/// changes while it is decided.
 inline double reach_time_s(const AuraTolerances& tolerances) {
   return (3 * steps_in_flight(tolerances) + 1) * (tick_us / 1e6);
 }

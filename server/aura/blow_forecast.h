@@ -28,19 +28,19 @@ struct Blow {
 /// Fills `expected_mps` (by index in `hosted`): the fastest that each body may soon move, by itself
 /// or because of a blow; 0 for what rests and will not be struck.
 ///
-/// A blow begins where an aura of something that moves, ours or another server's, meets a body. From
-/// there it goes through contacts, as an impulse does: a ball into a row of ten moves all ten within
-/// five steps. Along a row nothing is lost, but all that is pushed shares the momentum; where a body
-/// touches several others, each gets its share (twice an even one: force chains are uneven), so
-/// that a ball on a heap moves what is near it and not the whole heap. And it goes over gaps: a body
-/// that is struck may strike, by itself, what it reaches in the time that counts.
+/// A blow begins where an aura of something that moves, ours or another server's, meets a body.
+/// From there it goes through contacts, as an impulse does: a ball into a row of ten moves all ten
+/// within five steps. Along a row nothing is lost, but all that is pushed shares the momentum;
+/// where a body touches several others, each gets its share (twice an even one: force chains are
+/// uneven), so that a ball on a heap moves what is near it and not the whole heap. And it goes over
+/// gaps: a body that is struck may strike, by itself, what it reaches in the time that counts.
 class BlowForecast {
  public:
   explicit BlowForecast(double reach_s) : reach_s_(reach_s) {}
 
   /// `boxes` are the auras of `hosted` by their own motion, in `grid`. `moving_mps` is each body's
-  /// own speed, negative for one that rests. `disturbed`: whether the body meets anything on its way,
-  /// ours or another server's, so that it may go on in any direction.
+  /// own speed, negative for one that rests. `disturbed`: whether the body meets anything on its
+  /// way, ours or another server's, so that it may go on in any direction.
   void compute(const MigrationSituation& situation, std::span<const double> moving_mps,
                std::span<const AuraBox> boxes, const OverlapGrid& grid,
                std::vector<double>& expected_mps, std::vector<bool>& disturbed);
@@ -60,7 +60,7 @@ class BlowForecast {
   std::vector<std::uint32_t> found_;
   std::vector<BodyId> touched_ids_;
   std::vector<std::uint32_t> touched_, near_;  ///< Of the body in work.
-  std::size_t leaning_on_ = 0;  ///< Its contacts, with others' bodies too.
+  std::size_t leaning_on_ = 0;                 ///< Its contacts, with others' bodies too.
 };
 
 }  // namespace aureole

@@ -63,7 +63,7 @@ struct RemoteAura {
   /// It rests and expects no blow (adaptive).
   bool resting = false;
   bool left_its_place = false;  ///< It is not any more where its owner last said that it rests.
-  double speed_mps = 0;  ///< The fastest that it may soon move (adaptive).
+  double speed_mps = 0;         ///< The fastest that it may soon move (adaptive).
   double mass_kg = 1;
 };
 

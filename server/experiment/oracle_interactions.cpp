@@ -150,7 +150,9 @@ bool InteractionOracle::is_excused(Tick tick, const SeenBody& a, const SeenBody&
 
 bool InteractionOracle::is_newborn(BodyId id, Tick tick) const {
   const auto born = ownership_.born(id);
-  return born && id.kind() == BodyId::Kind::injected &&
+  const bool comes_unannounced =
+      id.kind() == BodyId::Kind::injected || id.kind() == BodyId::Kind::world;
+  return born && comes_unannounced &&
          tick - *born <= ToleranceRecord::flight_ticks(world_.tolerances);
 }
 

@@ -175,7 +175,8 @@ SharedBytes AuraExchange::frame_for(Peer& peer, std::map<BodyId, Sent>&& wanted,
     if ((sent.flags & resting_flag) != 0) {
       const NewBody exact = bodies.resting_body(body);
       const bool told = known && (before->second.sent.flags & resting_flag) != 0;
-      if (!projection.rested || !told || has_crept(projection.position, projection.orientation, exact.state)) {
+      if (!projection.rested || !told ||
+          has_crept(projection.position, projection.orientation, exact.state)) {
         resting.push_back(encode_resting(exact));
         projection.position = exact.state.position;
         projection.orientation = exact.state.orientation;
@@ -187,11 +188,10 @@ SharedBytes AuraExchange::frame_for(Peer& peer, std::map<BodyId, Sent>&& wanted,
     }
     if (known && before->second.sent == sent) continue;
     projection.sent = sent;
-    auras.emplace_back(body.value, static_cast<float>(bodies.mass_kg(body)),
-                       flatbuffers::span<const std::uint8_t, 9>(sent.position.data(), 9),
-                       sent.flags,
-                       flatbuffers::span<const std::uint16_t, 3>(sent.half_extents.data(), 3),
-                       sent.speed);
+    auras.emplace_back(
+        body.value, static_cast<float>(bodies.mass_kg(body)),
+        flatbuffers::span<const std::uint8_t, 9>(sent.position.data(), 9), sent.flags,
+        flatbuffers::span<const std::uint16_t, 3>(sent.half_extents.data(), 3), sent.speed);
   }
   for (const auto& [body, projection] : peer.projected)
     if (!wanted.contains(body))

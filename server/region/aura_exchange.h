@@ -101,11 +101,11 @@ class AuraExchange {
   };
   struct Peer {
     bool up = false;
-    bool greeted = false;                     ///< Something was sent over this link.
-    bool heard = false;                       ///< Something was received over this link.
-    std::map<BodyId, Projection> projected;   ///< What the peer knows of us.
-    std::map<BodyId, RemoteAura> theirs;      ///< What we know of the peer.
-    std::vector<HandoverRequest> pulls;       ///< Of the newest message, until take_in().
+    bool greeted = false;                    ///< Something was sent over this link.
+    bool heard = false;                      ///< Something was received over this link.
+    std::map<BodyId, Projection> projected;  ///< What the peer knows of us.
+    std::map<BodyId, RemoteAura> theirs;     ///< What we know of the peer.
+    std::vector<HandoverRequest> pulls;      ///< Of the newest message, until take_in().
     SharedBytes frame;
   };
   SharedBytes frame_for(Peer& peer, std::map<BodyId, Sent>&& wanted,

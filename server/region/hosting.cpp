@@ -185,10 +185,9 @@ std::vector<BodyId> Hosting::accept(const HandoffGroup& group, Tick now) {
   const auto is_here = [&](BodyId id) { return physics_.contains(id) || physics_.is_stand_in(id); };
   for (const auto& manifold : group.contacts) {
     const auto* other = std::get_if<BodyId>(&manifold.b);
-    const bool fits = other == nullptr
-                          ? is_taken(manifold.a)
-                          : is_here(manifold.a) && is_here(*other) &&
-                                (is_taken(manifold.a) || is_taken(*other));
+    const bool fits = other == nullptr ? is_taken(manifold.a)
+                                       : is_here(manifold.a) && is_here(*other) &&
+                                             (is_taken(manifold.a) || is_taken(*other));
     if (fits) contacts.push_back(manifold);
   }
   physics_.install_contacts(contacts);

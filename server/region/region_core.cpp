@@ -184,8 +184,7 @@ bool RegionCore::waits_for_auras(Tick now) const {
   return std::any_of(peers_.begin(), peers_.end(), [&](const auto& entry) {
     const auto& [id, peer] = entry;
     return id.is_region() && peer.up && !peer.recovering &&
-           !aura_exchange_.has_heard(id.as_region()) &&
-           now - peer.up_since <= await_auras_ticks;
+           !aura_exchange_.has_heard(id.as_region()) && now - peer.up_since <= await_auras_ticks;
   });
 }
 

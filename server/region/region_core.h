@@ -23,13 +23,13 @@
 #include "server/region/handoff/handoff.h"
 #include "server/region/handoff/journal.h"
 #include "server/region/hosting.h"
-#include "server/region/players/effects.h"
 #include "server/region/nearby_geometry.h"
+#include "server/region/players/effects.h"
 #include "server/region/players/players.h"
-#include "server/region/stand_ins/stand_in_watch.h"
-#include "server/region/stand_ins/stand_ins.h"
 #include "server/region/recovery/recovery.h"
 #include "server/region/recovery/traces.h"
+#include "server/region/stand_ins/stand_in_watch.h"
+#include "server/region/stand_ins/stand_ins.h"
 #include "server/region/tolerances.h"
 #include "server/worlds/world.h"
 
@@ -226,7 +226,7 @@ class RegionCore {
   std::unique_ptr<Recovery> recovery_;
   std::set<BodyId> made_before_;  ///< Injected by an earlier start after its last snapshot.
   Tolerances tolerances_;
-  FastestBody fastest_;  ///< Of the last step.
+  FastestBody fastest_;     ///< Of the last step.
   RegionStatistics extra_;  ///< Only the counts that nobody else keeps.
 };
 

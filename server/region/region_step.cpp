@@ -285,9 +285,9 @@ void RegionCore::foresee_deeds(std::vector<HostedBody>& hosted, Tick now) {
     if (!body) continue;
     const AuraBox reach = struck_aura(hosted[*body], speed, reach_time_s(world_.tolerances));
     const auto remote = aura_exchange_.remote();
-    players_.note_company(avatar->player, std::any_of(remote.begin(), remote.end(), [&](auto& aura) {
-                            return aura.box.overlaps(reach);
-                          }));
+    players_.note_company(avatar->player,
+                          std::any_of(remote.begin(), remote.end(),
+                                      [&](auto& aura) { return aura.box.overlaps(reach); }));
     if (!players_.in_play(*avatar, now)) continue;
     hosted[*body].deed_speed_mps = speed;
     hosted[*body].deed_mass_kg = mass;

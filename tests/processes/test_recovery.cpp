@@ -57,8 +57,7 @@ class Play {
     std::map<std::string, Json> all;
     const Json answer = get("/api/replicas");
     if (!answer.is_object()) return all;
-    for (const Json& body : answer["bodies"])
-      all[body["id"].get<std::string>()] = body["position"];
+    for (const Json& body : answer["bodies"]) all[body["id"].get<std::string>()] = body["position"];
     return all;
   }
   /// All regions are there and simulate, and together they host each body once.

@@ -41,7 +41,8 @@ double foreign_hosted_share(MigrationMode mode, int bodies, double seconds) {
 
 }  // namespace
 
-TEST_CASE("of a heap at rest on a four-way corner adaptive hosts a quarter of paper's share abroad") {
+TEST_CASE(
+    "of a heap at rest on a four-way corner adaptive hosts a quarter of paper's share abroad") {
   const double adaptive = foreign_hosted_share(MigrationMode::adaptive, 500, 24);
   const double paper = foreign_hosted_share(MigrationMode::paper, 500, 24);
   INFO("adaptive " << adaptive << ", paper " << paper);

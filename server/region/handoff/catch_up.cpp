@@ -109,7 +109,8 @@ void catch_up(HandoffGroup& group, const CatchUpSurroundings& around) {
 
   for (auto& b : group.bodies) b.body.state = scratch.state(b.body.id);
   group.contacts = scratch.contacts_around(ids);
-  // Those with obstacles are left to collision detection: the host's bodies are not where they were.
+  // Those with obstacles are left to collision detection: the host's bodies are not where they
+  // were.
   std::erase_if(group.contacts, [&](const ContactManifold& manifold) {
     const auto is_obstacle = [&](BodyId id) {
       return around.host.contains(id) && !scratch.is_stand_in(id);

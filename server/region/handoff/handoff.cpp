@@ -183,8 +183,7 @@ Result<Avatar> from_wire(const wire::HandoffPlayer& p) {
   if (!std::isfinite(p.yaw()) || !std::isfinite(p.pitch()) ||
       !(p.carried_distance_m() >= 0 && p.carried_distance_m() < 100))
     return Error{"a player in a handoff has numbers out of range"};
-  if (p.session() > session_max || !is_tick(p.lost_since_tick()) ||
-      !is_tick(p.active_tick()))
+  if (p.session() > session_max || !is_tick(p.lost_since_tick()) || !is_tick(p.active_tick()))
     return Error{"a player in a handoff has a session or a tick that cannot be"};
   if (BodyId{p.carried()}.kind() == BodyId::Kind::avatar)
     return Error{"a player in a handoff carries an avatar"};
@@ -277,15 +276,15 @@ Bytes encode_handoff(const HandoffGroup& group) {
     for (const auto& [sequence, command] : a.waiting) waiting.push_back(to_wire(command));
     players.push_back(wire::CreateHandoffPlayer(
         builder, a.player.value, a.session, a.applied_sequence, a.gateway, a.connected,
-        a.lost_since.value, a.keys, a.yaw, a.pitch, a.active.value, a.thrown, a.carried.value, a.carried_distance_m,
-        builder.CreateVectorOfStructs(waiting)));
+        a.lost_since.value, a.keys, a.yaw, a.pitch, a.active.value, a.thrown, a.carried.value,
+        a.carried_distance_m, builder.CreateVectorOfStructs(waiting)));
   }
   std::vector<wire::Resting> stand_ins;
   for (const NewBody& body : group.stand_ins) stand_ins.push_back(encode_resting(body));
-  builder.Finish(wire::CreateHandoff(
-      builder, group.tick.value, builder.CreateVectorOfStructs(bodies),
-      builder.CreateVector(manifolds), builder.CreateVector(players),
-      builder.CreateVectorOfStructs(stand_ins)));
+  builder.Finish(wire::CreateHandoff(builder, group.tick.value,
+                                     builder.CreateVectorOfStructs(bodies),
+                                     builder.CreateVector(manifolds), builder.CreateVector(players),
+                                     builder.CreateVectorOfStructs(stand_ins)));
   return payload_of(builder);
 }
 

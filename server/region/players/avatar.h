@@ -42,8 +42,8 @@ struct Avatar {
   std::uint32_t thrown = 0;  ///< Bodies thrown so far; names the next one.
   BodyId carried;
   float carried_distance_m = 2.2f;
-  Tick active;         ///< Of the newest command, here or since it arrived.
-  Tick held_until;     ///< Commands wait until this tick; see Players::note_company().
+  Tick active;           ///< Of the newest command, here or since it arrived.
+  Tick held_until;       ///< Commands wait until this tick; see Players::note_company().
   bool company = false;  ///< Other servers' bodies are near.
   std::map<std::uint32_t, PlayerCommand>
       waiting;  ///< Arrived ahead of their turn, at most max_waiting.

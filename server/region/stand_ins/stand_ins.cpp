@@ -22,8 +22,7 @@ void StandIns::put(const NewBody& body, const Entry& entry) {
 }
 
 void StandIns::left(std::span<const BodyId> ids, RegionId to, Tick now) {
-  for (BodyId id : ids)
-    entries_[id] = {to, false, now};
+  for (BodyId id : ids) entries_[id] = {to, false, now};
 }
 
 void StandIns::came_along(std::span<const NewBody> bodies, RegionId from, Tick now) {

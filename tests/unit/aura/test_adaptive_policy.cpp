@@ -75,8 +75,7 @@ struct Scene {
 
   MigrationDecision decide() const {
     return make_adaptive_policy(AuraTolerances{})
-        ->decide({Tick{0}, RegionId{self}, map, hosted, remote, requested, linked,
-                  contacts});
+        ->decide({Tick{0}, RegionId{self}, map, hosted, remote, requested, linked, contacts});
   }
 };
 
@@ -319,7 +318,8 @@ TEST_CASE("an island that a moving aura touches stays until the two are together
   REQUIRE(scene.decide().leaving.size() == 1);
 }
 
-TEST_CASE("whoever has come stays for a second, so that two changes of owner never follow closely") {
+TEST_CASE(
+    "whoever has come stays for a second, so that two changes of owner never follow closely") {
   Scene scene;
   for (const bool asleep : {false, true}) {
     // When nothing moves at all nobody will be fetched back, and everything must soon be home.
