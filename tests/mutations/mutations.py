@@ -93,8 +93,7 @@ MUTATIONS = [
         "server/region/stand_ins/stand_ins.cpp",
         "  if (!down.empty()) physics_.remove_stand_ins(down, Wake::touching);",
         "  if (!down.empty()) physics_.remove_stand_ins(down, Wake::nobody);",
-        ((REGION, "what stood on a neighbour's body falls when that is taken away"),
-         (REGION, "a tower on the boundary falls when its foot is struck*")),
+        ((REGION, "what leant on a stand-in wakes when its body has left its place"),),
     ),
     Mutation(
         "wake-left-behind",

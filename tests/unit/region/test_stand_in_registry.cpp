@@ -1,0 +1,75 @@
+// Stand-ins put up and taken down by what their owners say, on a physics world of their own.
+#include "server/region/stand_ins/stand_ins.h"
+
+#include "tests/support/catch.h"
+
+using namespace aureole;
+
+namespace {
+
+constexpr BodyId theirs = BodyId::world(0), ours = BodyId::world(1);
+constexpr RegionId owner{1};
+
+/// A box of another server, and a sleeping one of ours on top of it.
+struct Pair {
+  std::vector<BodyDefinition> prototypes{{BoxShape{{0.5f, 0.5f, 0.5f}}}};
+  std::vector<StaticDefinition> statics{{}};
+  PhysicsWorld physics{{}, prototypes, statics};
+  StandIns stand_ins{physics};
+
+  static NewBody box(BodyId id, double y) {
+    NewBody body{id, PrototypeId{0}, {}};
+    body.state.position = {0, y, 0};
+    body.state.activation = Activation::asleep;
+    return body;
+  }
+  Pair() {
+    const NewBody top = box(ours, 1.5);
+    physics.add(std::span(&top, 1));
+    tell(RestingNews::Kind::rests, Tick{1});
+  }
+  void tell(RestingNews::Kind kind, Tick now) {
+    const RestingNews news{kind, owner, box(theirs, 0.5)};
+    stand_ins.take(std::span(&news, 1), now);
+  }
+  bool stands() const { return physics.is_stand_in(theirs); }
+};
+
+}  // namespace
+
+TEST_CASE("what leant on a stand-in wakes when its body has left its place") {
+  Pair pair;
+  RemoteAura aura{theirs, owner, {}};
+  pair.stand_ins.tidy(std::span(&aura, 1), Tick{2});
+  REQUIRE(pair.stands());
+  REQUIRE(pair.physics.is_asleep(ours));
+  aura.left_its_place = true;
+  pair.stand_ins.tidy(std::span(&aura, 1), Tick{3});
+  REQUIRE_FALSE(pair.stands());
+  REQUIRE_FALSE(pair.physics.is_asleep(ours));
+}
+
+TEST_CASE("a stand-in that is gone wakes what leant on it, one that is handed over stays a while") {
+  Pair gone, handed_over;
+  gone.tell(RestingNews::Kind::gone, Tick{2});
+  REQUIRE_FALSE(gone.stands());
+  REQUIRE_FALSE(gone.physics.is_asleep(ours));
+  handed_over.tell(RestingNews::Kind::handed_over, Tick{2});
+  handed_over.stand_ins.tidy({}, Tick{2 + StandIns::grace_ticks});
+  REQUIRE(handed_over.stands());
+  REQUIRE(handed_over.physics.is_asleep(ours));
+  handed_over.stand_ins.tidy({}, Tick{3 + StandIns::grace_ticks});
+  REQUIRE_FALSE(handed_over.stands());
+  REQUIRE_FALSE(handed_over.physics.is_asleep(ours));
+}
+
+TEST_CASE("while its owner cannot be heard a stand-in stays; what is not told again then goes") {
+  Pair pair;
+  pair.stand_ins.tidy({}, Tick{1000});
+  REQUIRE(pair.stands());
+  pair.tell(RestingNews::Kind::told_all, Tick{1001});
+  pair.stand_ins.tidy({}, Tick{1001 + StandIns::grace_ticks});
+  REQUIRE(pair.stands());
+  pair.stand_ins.tidy({}, Tick{1002 + StandIns::grace_ticks});
+  REQUIRE_FALSE(pair.stands());
+}
