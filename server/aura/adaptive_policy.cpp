@@ -21,6 +21,7 @@
 #include <set>
 #include <unordered_map>
 
+#include "server/aura/audience.h"
 #include "server/aura/aura_size.h"
 #include "server/aura/blow_forecast.h"
 #include "server/aura/migration_policy.h"
@@ -40,6 +41,9 @@ constexpr double onward_s = 0.5;
 /// What moves goes home only if it meets nothing but bodies of its new host for so long (s): it
 /// would be fetched back at once, and perhaps on from there.
 constexpr double clear_flight_s = 1.0;
+
+/// How much further than itself an aura is told of.
+constexpr double audience_room = 1.5;
 
 /// How far from anything that moves, and from its way of the next second, a resting body must be
 /// before it goes home (m).
@@ -187,7 +191,7 @@ class AdaptivePolicy final : public MigrationPolicy {
       found.clear();
       grid_.find(aura.box, found);
       for (std::uint32_t body : found) {
-        visitors_[body].push_back(aura.host);
+        visitors_[body].add(aura.host);
         if (rests(body) && aura.resting) continue;
         contested_[body] = true;
         contested[cluster_of(s, body)].push_back(&aura);
@@ -353,41 +357,30 @@ class AdaptivePolicy final : public MigrationPolicy {
     return true;
   }
 
-  /// Tells every server that may host something where the aura reaches: the regions it overlaps,
-  /// their neighbours (the corner case, section 3.6), and the hosts of auras that overlap it. An
-  /// aura beyond our neighbours concerns everybody: another server that hosts as far from its home
-  /// would otherwise neither hear of us nor be heard.
+  /// Tells of each aura its audience, and the hosts of auras that overlap it. Some room beyond the
+  /// aura, so that whoever is about to be met has heard of it.
   void project(const MigrationSituation& s, MigrationDecision& decision) const {
     const Rectangle& home = s.map.area(s.self);
-    const auto& near = s.map.neighbours(s.self);
     for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
       if (cluster_[i] != none && clusters_[cluster_[i]].sent) continue;
       const AuraBox& box = boxes_[i];
+      RegionSet told = visitors_[i];
       const bool inside = box.centre.x() - box.half.x() >= home.min_x &&
                           box.centre.x() + box.half.x() < home.max_x &&
                           box.centre.z() - box.half.z() >= home.min_z &&
                           box.centre.z() + box.half.z() < home.max_z;
-      if (inside && visitors_[i].empty()) continue;
-      std::set<RegionId> to(visitors_[i].begin(), visitors_[i].end());
-      if (!inside) {
-        const double reach = std::max(box.half.x(), box.half.z());
-        for (RegionId region : s.map.regions_within(box.centre.x(), box.centre.z(), 1.5 * reach)) {
-          to.insert(region);
-          const auto& around = s.map.neighbours(region);
-          to.insert(around.begin(), around.end());
-          if (region == s.self || std::binary_search(near.begin(), near.end(), region)) continue;
-          for (std::size_t k = 0; k < s.map.size(); ++k)
-            to.insert(RegionId{static_cast<std::uint16_t>(k)});
-        }
-      }
-      to.erase(s.self);
-      if (!to.empty())
-        decision.projected.push_back({s.hosted[i].id,
-                                      box,
-                                      s.hosted[i].asleep,
-                                      rests(i),
-                                      expected_mps_[i],
-                                      {to.begin(), to.end()}});
+      if (!inside)
+        told.add(audience_of(s.map, s.self, WorldPosition::from(box.centre),
+                             audience_room * std::max(box.half.x(), box.half.z())));
+      told.remove(s.self);
+      if (told.empty()) continue;
+      ProjectedAura& aura = decision.projected.emplace_back();
+      aura.id = s.hosted[i].id;
+      aura.box = box;
+      aura.asleep = s.hosted[i].asleep;
+      aura.resting = rests(i);
+      aura.speed_mps = expected_mps_[i];
+      aura.to = told.regions();
     }
   }
 
@@ -406,7 +399,7 @@ class AdaptivePolicy final : public MigrationPolicy {
   std::vector<std::size_t> cluster_;
   std::vector<Cluster> clusters_;
   std::vector<bool> contested_;
-  std::vector<std::vector<RegionId>> visitors_;
+  std::vector<RegionSet> visitors_;  ///< Hosts of the auras that overlap each body's.
   std::map<std::uint32_t, std::vector<std::uint32_t>> followers_;
   bool nothing_moves_ = false;               ///< Here for quiet_ticks, nor what others project.
   std::unordered_map<BodyId, Tick> unrest_;  ///< When each body last moved or expected a blow.

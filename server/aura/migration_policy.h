@@ -67,8 +67,8 @@ struct RemoteAura {
   double mass_kg = 1;
 };
 
-/// Bodies of ours by index in `MigrationSituation::hosted`, and others' resting bodies that ours
-/// lean on, by id.
+/// Who touches whom on this server: bodies hosted here, and others' resting bodies that they lean
+/// on.
 class ContactSource {
  public:
   virtual ~ContactSource() = default;

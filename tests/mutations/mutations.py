@@ -63,9 +63,9 @@ MUTATIONS = [
     Mutation(
         "corner-sharing",
         "auras are told only to the regions that they reach into, not to those regions' neighbours",
-        "server/aura/adaptive_policy.cpp",
-        "          to.insert(around.begin(), around.end());",
-        "          static_cast<void>(around);",
+        "server/aura/audience.cpp",
+        "    for (const RegionId around : map.neighbours(reached)) told.add(around);\n",
+        "",
         ((AURA, "around a corner, servers that share no overlap*"),
          (REGION, "Fig. 1, N and O*")),
     ),

@@ -284,7 +284,7 @@ TEST_CASE("what is struck strikes on, over the boundary, as on one server") {
 }
 
 TEST_CASE(
-    "who steps to and fro in front of a neighbour's body changes servers twice a second at most") {
+    "who steps to and fro in front of a neighbour's body is brought together with it and stays") {
   auto world = flat_world(2, 50);
   world.spawn_points[0].position = {52.28, 0.95, 0};
   put(world, box, {49.2, 0.5, 0}, {0, 0, 0}, Activation::asleep);
@@ -313,10 +313,7 @@ TEST_CASE(
     }
     cluster.step();
   }
-  // The two stay together while the player is about.
-  REQUIRE_FALSE(changes.empty());
-  for (std::size_t i = 2; i < changes.size(); ++i) {
-    INFO("at ticks " << changes[i - 2] << ", " << changes[i - 1] << ", " << changes[i]);
-    REQUIRE(changes[i] - changes[i - 2] >= 62);
-  }
+  // Whoever is about keeps what is in reach: one change of owner in ten seconds, not one at each
+  // turn.
+  REQUIRE(changes.size() == 1);
 }
