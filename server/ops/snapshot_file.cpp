@@ -20,6 +20,8 @@ namespace {
 constexpr std::uint64_t magic = 0x31'50'41'4e'53'52'55'41;  // "AURSNAP1" as bytes.
 /// Larger states than any world has; a header that says more is damaged.
 constexpr std::uint64_t bytes_max = std::uint64_t{1} << 32;
+/// Of a file: a content, its header, and what is reserved ahead.
+constexpr std::uint64_t size_max = 2 * bytes_max;
 constexpr std::size_t page = 4096;
 
 struct Header {
@@ -81,8 +83,12 @@ class SnapshotFile::Slot {
     struct stat about {};
     if (fstat(fd_, &about) != 0)
       return Error::format("cannot read {}: {}", path.string(), reason());
-    const auto size = static_cast<std::size_t>(about.st_size);
-    return reserve(std::max(size, page));
+    const auto size = static_cast<std::uint64_t>(about.st_size);
+    if (size > size_max)
+      return Error::format("{} has {} bytes, expected at most {}: it is no state of a region",
+                           path.string(), size, size_max);
+    // As large as it is: what grew with each opening would fill the disk, restart by restart.
+    return map_pages(static_cast<std::size_t>(size));
   }
 
   Header header() const {
@@ -102,7 +108,12 @@ class SnapshotFile::Slot {
   }
 
   Status write(Header h, std::span<const std::byte> bytes) {
-    if (auto ok = reserve(sizeof(Header) + bytes.size()); !ok) return ok;
+    if (bytes.size() > bytes_max)
+      return Error::format("a state has {} bytes, expected at most {}", bytes.size(), bytes_max);
+    const std::size_t needed = sizeof(Header) + bytes.size();
+    // States grow with their world: half as much again, so that this is rare.
+    if (needed > size_)
+      if (auto ok = map_pages(needed + needed / 2); !ok) return ok;
     h.checksum = checksum_of(h, bytes);
     const std::uint64_t sequence = std::exchange(h.sequence, 0);
     std::memcpy(map_, &h, sizeof h);
@@ -115,10 +126,10 @@ class SnapshotFile::Slot {
   }
 
  private:
-  /// The pages are allocated at once: a full disk is an error here, not a signal in the step.
-  Status reserve(std::size_t bytes) {
-    if (bytes <= size_) return Ok{};
-    const std::size_t wanted = (bytes + bytes / 2 + page - 1) / page * page;
+  /// Maps the file with room for `bytes`, at least one page. The pages are allocated at once: a
+  /// full disk is an error here, not a signal in the step.
+  Status map_pages(std::size_t bytes) {
+    const std::size_t wanted = std::max((bytes + page - 1) / page, std::size_t{1}) * page;
     if (const int failed = posix_fallocate(fd_, 0, static_cast<off_t>(wanted)); failed != 0)
       return Error::format("no room for {} bytes of state: {}", wanted,
                            std::generic_category().message(failed));

@@ -73,6 +73,28 @@ TEST_CASE("a state that is damaged or half written counts as none, and the one b
   REQUIRE_FALSE(open(place->path())->newest());
 }
 
+TEST_CASE("a state that is opened and written again and again keeps its size on the disk") {
+  const auto place = folder();
+  const auto size = [&] { return fs::file_size(place->path() / "r2-a.snapshot"); };
+  REQUIRE(open(place->path())->write(bytes('a', 50'000), Incarnation{1}, Tick{1}));
+  const auto at_first = size();
+  REQUIRE(at_first < 100'000);
+  for (int restart = 0; restart < 10; ++restart) {
+    const auto file = open(place->path());
+    for (int n = 0; n < 3; ++n)
+      REQUIRE(file->write(bytes('b', 50'000), Incarnation{1}, Tick{2 + n}));
+  }
+  REQUIRE(size() == at_first);
+}
+
+TEST_CASE("a file that is too large for any state is refused before it is read") {
+  const auto place = folder();
+  std::ofstream(place->path() / "r2-a.snapshot") << "x";
+  fs::resize_file(place->path() / "r2-a.snapshot", std::uintmax_t{1} << 34);  // Without pages.
+  const auto file = SnapshotFile::open(place->path(), owner);
+  REQUIRE(file.error().message.find("expected at most") != std::string::npos);
+}
+
 TEST_CASE("files of another world are refused, and files that are in use") {
   const auto place = folder();
   {
