@@ -174,9 +174,12 @@ class AdaptivePolicy final : public MigrationPolicy {
   }
 
   void answer_requests(const MigrationSituation& s, Leaving& leaving) {
-    for (const HandoverRequest& request : s.requested)
-      if (const auto body = index_of(s.hosted, request.body))
+    for (const HandoverRequest& request : s.requested) {
+      const auto body = index_of(s.hosted, request.body);
+      // Who asks did not know yet that the others come to this one.
+      if (body && !keeps_owner(s, cluster_of(s, *body)))
         send(s, cluster_of(s, *body), request.to, leaving);
+    }
   }
 
   /// Brings overlapping pairs together of which at least one moves. Owners thus change only towards
@@ -200,16 +203,29 @@ class AdaptivePolicy final : public MigrationPolicy {
     for (const auto& [cluster, auras] : contested) {
       // Ours is on its way already: the two must not swap.
       if (clusters_[cluster].sent) continue;
+      RegionSet keepers;
+      if (keeps_owner(s, cluster)) keepers.add(s.self);
+      for (const RemoteAura* aura : auras)
+        if (aura->keeps_owner && s.linked[aura->host.value]) keepers.add(aura->host);
       RegionId to = s.self;
       for (std::uint32_t member : clusters_[cluster].members) {
         to = lowest_near(s, boxes_[member], to);
         if (!rests(member)) to = lowest_near(s, flight_aura(s.hosted[member], onward_s), to);
       }
       for (const RemoteAura* aura : auras) to = lowest_near(s, aura->box, to);
+      if (!keepers.empty()) to = keepers.lowest();
       for (const RemoteAura* aura : auras)
-        if (aura->host > s.self) pulls[{aura->host, to}].insert(aura->id);
+        if (aura->host > s.self && aura->host != to) pulls[{aura->host, to}].insert(aura->id);
       send(s, cluster, to, leaving);
     }
+  }
+
+  /// Whether a body of the cluster has changed its owner so often that it must not do so again.
+  bool keeps_owner(const MigrationSituation& s, std::size_t cluster) const {
+    const auto& members = clusters_[cluster].members;
+    return std::any_of(members.begin(), members.end(), [&](std::uint32_t member) {
+      return s.now - s.hosted[member].previous_change < keep_ticks;
+    });
   }
 
   std::span<const AuraBox> remote_boxes(const MigrationSituation& s) {
@@ -380,6 +396,9 @@ class AdaptivePolicy final : public MigrationPolicy {
       aura.asleep = s.hosted[i].asleep;
       aura.resting = rests(i);
       aura.speed_mps = expected_mps_[i];
+      aura.keeps_owner = cluster_[i] != none
+                             ? keeps_owner(s, cluster_[i])
+                             : s.now - s.hosted[i].previous_change < keep_ticks;
       aura.to = told.regions();
     }
   }
