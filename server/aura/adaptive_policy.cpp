@@ -45,6 +45,9 @@ constexpr double clear_flight_s = 1.0;
 /// How much further than itself an aura is told of.
 constexpr double audience_room = 1.5;
 
+/// More than word from one server to another and the answer take.
+constexpr std::int64_t flights_ticks = 8;
+
 /// How far from anything that moves, and from its way of the next second, a resting body must be
 /// before it goes home (m).
 constexpr double calm_clearance_m = 1.0;
@@ -216,15 +219,22 @@ class AdaptivePolicy final : public MigrationPolicy {
       if (!keepers.empty()) to = keepers.lowest();
       for (const RemoteAura* aura : auras)
         if (aura->host > s.self && aura->host != to) pulls[{aura->host, to}].insert(aura->id);
+      // Who has just heard that we keep ours may have sent theirs; who has not asks for ours.
+      if (to < s.self && keeps_owner(s, cluster, flights_ticks)) continue;
       send(s, cluster, to, leaving);
     }
   }
 
-  /// Whether a body of the cluster has changed its owner so often that it must not do so again.
-  bool keeps_owner(const MigrationSituation& s, std::size_t cluster) const {
+  /// Until when the body must stay: it has changed its owner twice within a second.
+  static Tick keeps_until(const HostedBody& body) {
+    if (body.changed_owner - body.previous_change >= keep_ticks) return body.previous_change;
+    return std::max(body.previous_change + keep_ticks, body.changed_owner + flights_ticks);
+  }
+  /// Whether a body of the cluster must stay, or had to `ago` ticks ago.
+  bool keeps_owner(const MigrationSituation& s, std::size_t cluster, std::int64_t ago = 0) const {
     const auto& members = clusters_[cluster].members;
     return std::any_of(members.begin(), members.end(), [&](std::uint32_t member) {
-      return s.now - s.hosted[member].previous_change < keep_ticks;
+      return s.now - ago < keeps_until(s.hosted[member]);
     });
   }
 
@@ -396,9 +406,8 @@ class AdaptivePolicy final : public MigrationPolicy {
       aura.asleep = s.hosted[i].asleep;
       aura.resting = rests(i);
       aura.speed_mps = expected_mps_[i];
-      aura.keeps_owner = cluster_[i] != none
-                             ? keeps_owner(s, cluster_[i])
-                             : s.now - s.hosted[i].previous_change < keep_ticks;
+      aura.keeps_owner =
+          cluster_[i] != none ? keeps_owner(s, cluster_[i]) : s.now < keeps_until(s.hosted[i]);
       aura.to = told.regions();
     }
   }
