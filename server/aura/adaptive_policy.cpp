@@ -220,7 +220,7 @@ class AdaptivePolicy final : public MigrationPolicy {
       for (const RemoteAura* aura : auras)
         if (aura->host > s.self && aura->host != to) pulls[{aura->host, to}].insert(aura->id);
       // Who has just heard that we keep ours may have sent theirs; who has not asks for ours.
-      if (to < s.self && keeps_owner(s, cluster, flights_ticks)) continue;
+      if (keepers.empty() && to < s.self && keeps_owner(s, cluster, flights_ticks)) continue;
       send(s, cluster, to, leaving);
     }
   }

@@ -24,7 +24,8 @@ inline constexpr double still_speed_mps = 0.15;
 /// A body that has been still for so long rests, asleep or not: 0.4 s, the paper's (section 4.2).
 inline constexpr std::uint8_t resting_ticks = 25;
 
-/// Who has changed its owner twice within so long keeps it: a second, with room for two flights.
+/// Who has changed its owner twice within so long keeps it, and others come to it: a second, with
+/// room for two flights.
 inline constexpr std::int64_t keep_ticks = 66;
 
 /// What a policy knows of each body that its server hosts.
@@ -54,7 +55,7 @@ struct HostedBody {
   /// itself.
   BodyId leader;
   /// When it last changed its owner, and when the time before.
-  Tick changed_owner, previous_change = Tick{-keep_ticks};
+  Tick changed_owner, previous_change{-1'000'000};
 };
 
 /// An aura that another server projects to us.
@@ -128,7 +129,7 @@ struct ProjectedAura {
   AuraBox box;
   bool asleep = false;
   bool resting = false;      ///< See RemoteAura.
-  bool keeps_owner = false;  ///< It must not change its owner again yet: others come to it.
+  bool keeps_owner = false;  ///< It must not change its owner again yet (adaptive).
   double speed_mps = 0;      ///< See RemoteAura.
   std::vector<RegionId> to;  ///< ascending
 };

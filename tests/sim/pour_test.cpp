@@ -43,8 +43,8 @@ double foreign_hosted_share(MigrationMode mode, int bodies, double seconds) {
 
 TEST_CASE(
     "of a heap at rest on a four-way corner adaptive hosts a quarter of paper's share abroad") {
-  const double adaptive = foreign_hosted_share(MigrationMode::adaptive, 500, 24);
-  const double paper = foreign_hosted_share(MigrationMode::paper, 500, 24);
+  const double adaptive = foreign_hosted_share(MigrationMode::adaptive, 2000, 30);
+  const double paper = foreign_hosted_share(MigrationMode::paper, 2000, 30);
   INFO("adaptive " << adaptive << ", paper " << paper);
   CHECK(paper > 0.2);
   CHECK(adaptive <= 0.25 * paper);

@@ -25,7 +25,7 @@ void StandInWatch::judge(const StandInLoad& load, Tick now, bool still, double m
     pair.base_ns = std::max(pair.base_ns, load.impulse_ns);
     return;
   }
-  if (rise_mps <= missed_mps * pressed_share) return;
+  if (rise_mps <= pressed_mps) return;
   pressed_[load.body] = now + pressed_ticks;
   if (rise_mps <= missed_mps || pair.struck) return;
   pair.struck = true;

@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "server/aura/migration_policy.h"
 #include "server/base/ids.h"
 #include "server/base/tick.h"
 #include "server/physics/physics_world.h"
@@ -19,9 +20,10 @@ namespace aureole {
 /// stand-in's mass × `missed_mps` is a missed interaction.
 class StandInWatch {
  public:
-  static constexpr double missed_mps = 0.05;
-  /// A pair that rises by this share of it already counts as moving, and is brought together.
-  static constexpr double pressed_share = 0.5;
+  /// The body would not count as still any more: a weaker blow leaves it at rest.
+  static constexpr double missed_mps = still_speed_mps;
+  /// A pair whose load rises by so much already counts as moving, and is brought together.
+  static constexpr double pressed_mps = 0.025;
   /// Of a pair that rests: how long its load may find its level after the cut.
   static constexpr std::int64_t settling_ticks = 16;
   /// No load that finds its level rises by so much in one step: a blow, even then.
