@@ -56,4 +56,8 @@ struct Shape : std::variant<SphereShape, BoxShape, CapsuleShape, CylinderShape, 
 /// plane. A capsule of height 2 m and radius 0.3 m has R_o = 1 m.
 float bounding_radius(const Shape& shape);
 
+/// Fastest that any point of the shape moves, or a little more (m/s).
+float surface_speed(const Shape& shape, const Eigen::Quaternionf& orientation,
+                    const Eigen::Vector3f& velocity_mps, const Eigen::Vector3f& spin_radps);
+
 }  // namespace aureole

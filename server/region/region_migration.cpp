@@ -96,8 +96,8 @@ std::vector<HostedBody> RegionCore::hosted_bodies(Tick now) {
     body.half_extents = physics.half_extents(id).cast<double>();
     body.bounding_radius_m = hosting_.radius(prototype);
     body.velocity_mps = state.linear_velocity.cast<double>();
-    body.surface_speed_mps =
-        state.linear_velocity.norm() + state.angular_velocity.norm() * hosting_.radius(prototype);
+    body.surface_speed_mps = double{surface_speed(definition.shape, state.orientation,
+                                                  state.linear_velocity, state.angular_velocity)};
     body.mass_kg = definition.mass_kg;
     body.restitution = definition.restitution;
     body.round = std::holds_alternative<SphereShape>(definition.shape);
