@@ -24,10 +24,6 @@ inline constexpr double still_speed_mps = 0.15;
 /// A body that has been still for so long rests, asleep or not: 0.4 s, the paper's (section 4.2).
 inline constexpr std::uint8_t resting_ticks = 25;
 
-/// Who has changed its owner twice within so long keeps it, and others come to it: a second, with
-/// room for two flights.
-inline constexpr std::int64_t keep_ticks = 66;
-
 /// What a policy knows of each body that its server hosts.
 struct HostedBody {
   BodyId id;
@@ -54,8 +50,8 @@ struct HostedBody {
   /// The body that this one must be hosted with (a carried thing with the avatar); none: decides
   /// itself.
   BodyId leader;
-  /// When it last changed its owner, and when the time before.
-  Tick changed_owner, previous_change{-1'000'000};
+  /// When it last changed its owner.
+  Tick changed_owner;
 };
 
 /// An aura that another server projects to us.
@@ -66,7 +62,6 @@ struct RemoteAura {
   bool asleep = false;
   /// It rests and expects no blow (adaptive).
   bool resting = false;
-  bool keeps_owner = false;     ///< See ProjectedAura.
   bool left_its_place = false;  ///< It is not any more where its owner last said that it rests.
   double speed_mps = 0;         ///< The fastest that it may soon move (adaptive).
   double mass_kg = 1;
@@ -129,7 +124,6 @@ struct ProjectedAura {
   AuraBox box;
   bool asleep = false;
   bool resting = false;      ///< See RemoteAura.
-  bool keeps_owner = false;  ///< It must not change its owner again yet (adaptive).
   double speed_mps = 0;      ///< See RemoteAura.
   std::vector<RegionId> to;  ///< ascending
 };

@@ -14,7 +14,7 @@ namespace {
 /// Half extents travel in steps of 1/64 m, speeds in steps of 1/64 m/s.
 constexpr double extent_step_m = 1.0 / 64;
 constexpr double speed_step_mps = 1.0 / 64;
-constexpr std::uint8_t asleep_flag = 1, resting_flag = 2, left_flag = 4, keeps_flag = 8;
+constexpr std::uint8_t asleep_flag = 1, resting_flag = 2, left_flag = 4;
 /// News of resting bodies that may wait for a step; more than this is made up.
 constexpr std::size_t resting_news_max = 4 * AuraExchange::max_auras;
 
@@ -40,7 +40,6 @@ Result<RemoteAura> from_wire(const wire::Aura& aura, RegionId host) {
   remote.asleep = (aura.flags() & asleep_flag) != 0;
   remote.resting = (aura.flags() & resting_flag) != 0;
   remote.left_its_place = (aura.flags() & left_flag) != 0;
-  remote.keeps_owner = (aura.flags() & keeps_flag) != 0;
   remote.speed_mps = aura.speed() * speed_step_mps;
   remote.mass_kg = double{aura.mass_kg()};
   remote.box.centre = dequantise(position).vector();
@@ -232,8 +231,7 @@ void AuraExchange::announce(Tick now, const MigrationDecision& decision, const A
     for (std::size_t axis = 0; axis < 3; ++axis)
       sent.half_extents[axis] = quantise_extent(aura.box.half[static_cast<Eigen::Index>(axis)]);
     sent.flags = static_cast<std::uint8_t>((aura.asleep ? asleep_flag : 0) |
-                                           (aura.resting ? resting_flag : 0) |
-                                           (aura.keeps_owner ? keeps_flag : 0));
+                                           (aura.resting ? resting_flag : 0));
     sent.speed = rounded_up(aura.speed_mps, speed_step_mps);
     for (RegionId to : aura.to) wanted[to].emplace(aura.id, sent);
   }

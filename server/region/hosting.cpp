@@ -82,11 +82,6 @@ std::uint8_t Hosting::still_ticks(BodyId id, Tick now) const {
   return static_cast<std::uint8_t>(std::clamp<std::int64_t>(still, 0, still_ticks_max));
 }
 
-std::uint8_t Hosting::stayed_ticks(BodyId id, Tick now) const {
-  const std::int64_t stayed = now - records_.at(id).changed_owner;
-  return static_cast<std::uint8_t>(std::clamp<std::int64_t>(stayed, 0, HandoffGroup::ticks_max));
-}
-
 namespace {
 
 bool is_member(const HandoffGroup& group, BodyId id) {
@@ -139,10 +134,8 @@ Hosting::Released Hosting::release(std::span<const BodyId> ids, Tick now, Cut cu
   HandoffGroup& group = released.group;
   group.tick = now;
   for (BodyId id : ids)
-    group.bodies.push_back({{id, physics_.prototype(id), physics_.state(id)},
-                            epoch(id),
-                            still_ticks(id, now),
-                            stayed_ticks(id, now)});
+    group.bodies.push_back(
+        {{id, physics_.prototype(id), physics_.state(id)}, epoch(id), still_ticks(id, now)});
   std::sort(group.bodies.begin(), group.bodies.end(),
             [](const auto& a, const auto& b) { return a.body.id < b.body.id; });
   group.contacts =
@@ -181,8 +174,8 @@ std::vector<BodyId> Hosting::accept(const HandoffGroup& group, Tick now) {
     taken.push_back(arriving.body);
     ids.push_back(id);
     const bool last = arriving.epoch == std::numeric_limits<std::uint32_t>::max();
-    records_.emplace(id, Record{last ? arriving.epoch : arriving.epoch + 1, now,
-                                now - arriving.still_ticks, now - arriving.stayed_ticks});
+    records_.emplace(
+        id, Record{last ? arriving.epoch : arriving.epoch + 1, now, now - arriving.still_ticks});
   }
   physics_.add(taken);
   for (BodyId id : ids) publisher_.body_gained(id, version(id));
@@ -206,8 +199,7 @@ void Hosting::claim(std::span<const HandoffGroup::Body> bodies, Tick now) {
   std::vector<NewBody> claimed;
   for (const auto& body : bodies) {
     claimed.push_back(body.body);
-    records_.emplace(body.body.id,
-                     Record{body.epoch, now - body.stayed_ticks, now - body.still_ticks});
+    records_.emplace(body.body.id, Record{body.epoch, now, now - body.still_ticks});
   }
   physics_.add(claimed);
   for (const NewBody& body : claimed) publisher_.body_gained(body.id, version(body.id));

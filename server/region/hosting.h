@@ -36,14 +36,10 @@ class Hosting {
   bool hosts(BodyId id) const { return records_.contains(id); }
   std::uint32_t epoch(BodyId id) const { return records_.at(id).epoch; }
   Tick changed_owner(BodyId id) const { return records_.at(id).changed_owner; }
-  /// The change of owner before that, at the server that it came from.
-  Tick previous_change(BodyId id) const { return records_.at(id).previous_change; }
   Version version(BodyId id) const { return {epoch(id), incarnation_, self_}; }
   /// Call whenever the body is looked at: for how many ticks it has been still, see HostedBody.
   std::uint8_t note_stillness(BodyId id, double surface_speed_mps, Tick now);
   std::uint8_t still_ticks(BodyId id, Tick now) const;
-  /// For how many ticks it has been hosted here, see HandoffGroup::Body.
-  std::uint8_t stayed_ticks(BodyId id, Tick now) const;
   bool lies_still(BodyId id, Tick now) const { return still_ticks(id, now) >= resting_ticks; }
 
   /// Bodies that come into the world here; those that are here already are left out. A name that is
@@ -86,7 +82,6 @@ class Hosting {
     std::uint32_t epoch = 1;
     Tick changed_owner;
     std::optional<Tick> moved;  ///< When it was last seen to move.
-    Tick previous_change{-1'000'000};
   };
   void bring_neighbours(HandoffGroup& group, Tick now) const;
   std::vector<BodyId> holding_up(const HandoffGroup& group, Tick now) const;

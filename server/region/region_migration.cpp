@@ -3,7 +3,7 @@
 #include <map>
 #include <set>
 
-#include "server/aura/aura_size.h"
+#include "server/aura/adaptive/aura_size.h"
 #include "server/region/region_core.h"
 
 namespace aureole {
@@ -107,7 +107,6 @@ std::vector<HostedBody> RegionCore::hosted_bodies(Tick now) {
     if (body.still_ticks == 0) nearby_geometry_.look(body, reach_time_s(world_.tolerances));
     if (leader != leaders.end()) body.leader = leader->second;
     body.changed_owner = hosting_.changed_owner(id);
-    body.previous_change = hosting_.previous_change(id);
   }
   foresee_deeds(hosted, now);
   return hosted;

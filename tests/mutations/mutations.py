@@ -53,7 +53,7 @@ MUTATIONS = [
     Mutation(
         "symmetric-rule",
         "of two servers whose bodies meet each sends its own to the other",
-        "server/aura/adaptive_policy.cpp",
+        "server/aura/adaptive/adaptive_policy.cpp",
         "      send(s, cluster, to, leaving);",
         "      send(s, cluster, auras.front()->host, leaving);",
         ((AURA, "both servers of a pair look at the same overlap and exactly one moves its body"),
@@ -116,7 +116,7 @@ MUTATIONS = [
     Mutation(
         "all-stand-ins",
         "every foreign body is a stand-in, whether it rests or moves",
-        "server/aura/adaptive_policy.cpp",
+        "server/aura/adaptive/adaptive_policy.cpp",
         "  bool rests(std::uint32_t body) const { return expected_mps_[body] <= 0; }",
         "  bool rests(std::uint32_t) const { return true; }",
         ((REGION, "two balls that fly at each other over a boundary bounce off as on one server"),
@@ -125,7 +125,7 @@ MUTATIONS = [
     Mutation(
         "blow-forecast",
         "blows are not passed on through contacts",
-        "server/aura/blow_forecast.cpp",
+        "server/aura/adaptive/blow_forecast.cpp",
         "  if (s.contacts != nullptr) pass_on(s, grid, expected_mps);\n",
         "",
         ((AURA, "what will be struck through a row of contacts goes along before the blow"),

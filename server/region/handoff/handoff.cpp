@@ -73,8 +73,7 @@ wire::HandoffBody to_wire(const HandoffGroup::Body& b) {
           to_wire(s.orientation),
           to_wire(s.linear_velocity),
           to_wire(s.angular_velocity),
-          s.deactivation_time_s,
-          b.stayed_ticks};
+          s.deactivation_time_s};
 }
 
 Result<HandoffGroup::Body> from_wire(const wire::HandoffBody& b, std::size_t prototypes) {
@@ -96,7 +95,7 @@ Result<HandoffGroup::Body> from_wire(const wire::HandoffBody& b, std::size_t pro
     return Error::format(
         "handoff of body {:#x} with numbers that are not finite, out of range or no rotation",
         b.id());
-  return HandoffGroup::Body{{id, PrototypeId{b.prototype()}, state}, b.epoch(), b.still_ticks(), b.stayed_ticks()};
+  return HandoffGroup::Body{{id, PrototypeId{b.prototype()}, state}, b.epoch(), b.still_ticks()};
 }
 
 wire::HandoffPoint to_wire(const ContactPoint& p) {

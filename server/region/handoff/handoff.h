@@ -17,13 +17,10 @@ namespace aureole {
 /// Bodies, the contacts among them and with the ground, and the players among them. The sender
 /// stopped stepping it after step `tick`.
 struct HandoffGroup {
-  static constexpr std::uint8_t ticks_max = 255;
   struct Body {
     NewBody body;
     std::uint32_t epoch = 0;       ///< Of the sender's ownership.
     std::uint8_t still_ticks = 0;  ///< See HostedBody.
-    /// For how many ticks the sender has hosted it, at most ticks_max; it travels in a byte.
-    std::uint8_t stayed_ticks = ticks_max;
   };
   Tick tick;
   std::vector<Body> bodies;  ///< ascending

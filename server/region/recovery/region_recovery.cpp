@@ -43,8 +43,7 @@ void RegionCore::make_snapshot(Tick now) {
     for (BodyId id : piece)
       group.bodies.push_back({{id, physics.prototype(id), physics.state(id)},
                               hosting_.epoch(id),
-                              hosting_.still_ticks(id, now),
-                              hosting_.stayed_ticks(id, now)});
+                              hosting_.still_ticks(id, now)});
     for (const Avatar* avatar : players_.avatars())
       if (std::binary_search(piece.begin(), piece.end(), avatar->body()))
         group.avatars.push_back(*avatar);

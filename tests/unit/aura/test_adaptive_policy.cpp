@@ -145,57 +145,6 @@ TEST_CASE("both servers of a pair look at the same overlap and exactly one moves
     }
 }
 
-TEST_CASE("who has changed its owner twice within a second stays, and the others come to it") {
-  Scene low, high;
-  high.self = 1;
-  low.hosted = {awake_at(0, 9.8)};
-  low.remote = {aura(1, 1, false, 10.3)};
-  high.hosted = {awake_at(1, 10.3)};
-  high.remote = {aura(0, 0, false, 9.8)};
-  high.requested = {{name(1), RegionId{0}}};
-  high.hosted[0].changed_owner = Tick{-20};
-  SECTION("the higher server's: it stays, says so, and refuses what was asked too early") {
-    high.hosted[0].previous_change = Tick{-keep_ticks + 1};
-    const auto decision = high.decide();
-    REQUIRE(decision.leaving.empty());
-    REQUIRE(decision.projected.front().keeps_owner);
-    low.remote[0].keeps_owner = true;
-    const auto answer = low.decide();
-    REQUIRE(answer.pulls.empty());
-    REQUIRE(answer.leaving.size() == 1);
-    REQUIRE(answer.leaving[0].to == RegionId{1});
-  }
-  SECTION("once that is over the order decides again, but the lower one moves first") {
-    high.hosted[0].previous_change = Tick{-keep_ticks};
-    const auto asked = high.decide();
-    REQUIRE(asked.leaving.size() == 1);
-    high.requested.clear();
-    const auto unasked = high.decide();
-    REQUIRE(unasked.leaving.empty());
-    REQUIRE_FALSE(unasked.projected.front().keeps_owner);
-    high.hosted[0].previous_change = Tick{-keep_ticks - 8};
-    REQUIRE(high.decide().leaving.size() == 1);
-  }
-  SECTION("word of it is given for as long as word and answer travel at the least") {
-    high.hosted[0].changed_owner = Tick{-7};
-    high.hosted[0].previous_change = Tick{-7 - keep_ticks + 1};
-    REQUIRE(high.decide().projected.front().keeps_owner);
-    high.hosted[0].previous_change = Tick{-7 - keep_ticks};
-    REQUIRE(high.decide().leaving.size() == 1);
-  }
-  SECTION("if both keep theirs the order decides") {
-    high.hosted[0].previous_change = Tick{-30};
-    high.remote[0].keeps_owner = true;
-    high.requested.clear();
-    REQUIRE(high.decide().leaving.size() == 1);
-    low.hosted[0].changed_owner = low.hosted[0].previous_change = Tick{-9};
-    low.remote[0].keeps_owner = true;
-    const auto decision = low.decide();
-    REQUIRE(decision.leaving.empty());
-    REQUIRE(decision.pulls.size() == 1);
-  }
-}
-
 TEST_CASE("a body that meets two servers at a corner goes to the lowest one") {
   Scene scene;
   scene.map = columns(3);

@@ -26,7 +26,6 @@ HandoffGroup sample_group() {
     b.body.state.deactivation_time_s = 0.25f;
     b.epoch = 7 + i;
     b.still_ticks = static_cast<std::uint8_t>(3 * i);
-    b.stayed_ticks = static_cast<std::uint8_t>(100 + i);
     group.bodies.push_back(b);
   }
   group.bodies.push_back({{BodyId::avatar(PlayerId{5}), PrototypeId{0}, {}}, 2});
@@ -79,7 +78,6 @@ TEST_CASE("a handoff comes back bit for bit") {
     REQUIRE(a.body.id == b.body.id);
     REQUIRE(a.epoch == b.epoch);
     REQUIRE(a.still_ticks == b.still_ticks);
-    REQUIRE(a.stayed_ticks == b.stayed_ticks);
     REQUIRE(a.body.state.position == b.body.state.position);
     REQUIRE(a.body.state.orientation.coeffs() == b.body.state.orientation.coeffs());
     REQUIRE(a.body.state.linear_velocity == b.body.state.linear_velocity);

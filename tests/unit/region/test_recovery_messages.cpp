@@ -22,7 +22,7 @@ Snapshot small_snapshot() {
   s.tick = Tick{600};
   HandoffGroup group;
   group.tick = s.tick;
-  for (std::uint32_t n = 0; n < 3; ++n) group.bodies.push_back({body(n), 4 + n, 7, 40});
+  for (std::uint32_t n = 0; n < 3; ++n) group.bodies.push_back({body(n), 4 + n, 7});
   NewBody avatar_body = body(0);
   avatar_body.id = BodyId::avatar(PlayerId{9});
   group.bodies.push_back({avatar_body, 77, 0});
@@ -66,7 +66,6 @@ TEST_CASE("a snapshot reads back as it was written") {
   REQUIRE(read->hosted[0].bodies.size() == 4);
   REQUIRE(read->hosted[0].bodies[2].epoch == 6);
   REQUIRE(read->hosted[0].bodies[2].still_ticks == 7);
-  REQUIRE(read->hosted[0].bodies[2].stayed_ticks == 40);
   REQUIRE(read->hosted[0].bodies[2].body.state.position ==
           s.hosted[0].bodies[2].body.state.position);
   REQUIRE(read->hosted[0].avatars[0].applied_sequence == 34);

@@ -1,5 +1,5 @@
 // Blows from what moves, through contacts, until they are too weak to matter.
-#include "server/aura/blow_forecast.h"
+#include "server/aura/adaptive/blow_forecast.h"
 
 #include <algorithm>
 

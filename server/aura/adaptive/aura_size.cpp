@@ -1,5 +1,5 @@
 // Boxes for rest, for free flight, and for everything else.
-#include "server/aura/aura_size.h"
+#include "server/aura/adaptive/aura_size.h"
 
 #include <algorithm>
 

@@ -1,0 +1,64 @@
+// Following overlaps from body to body.
+#include "server/aura/adaptive/clusters.h"
+
+#include <algorithm>
+
+namespace aureole {
+
+void Clusters::begin(const MigrationSituation& situation, const Outlook& outlook) {
+  situation_ = &situation;
+  outlook_ = &outlook;
+  const auto hosted = situation.hosted;
+  of_body_.assign(hosted.size(), none);
+  clusters_.clear();
+  followers_.clear();
+  for (std::uint32_t i = 0; i < hosted.size(); ++i) {
+    if (hosted[i].leader == BodyId{}) continue;
+    if (const auto leader = index_of(hosted, hosted[i].leader)) followers_[*leader].push_back(i);
+  }
+}
+
+std::optional<Clusters::Number> Clusters::known(std::uint32_t body) const {
+  return of_body_[body] == none ? std::nullopt : std::optional(of_body_[body]);
+}
+
+/// Whom a body goes with whatever their auras.
+void Clusters::add_companions(std::uint32_t body, std::vector<std::uint32_t>& found) const {
+  if (const auto it = followers_.find(body); it != followers_.end())
+    found.insert(found.end(), it->second.begin(), it->second.end());
+  if (const BodyId leader = situation_->hosted[body].leader; leader != BodyId{})
+    if (const auto at = index_of(situation_->hosted, leader)) found.push_back(*at);
+}
+
+Clusters::Number Clusters::of(std::uint32_t body) {
+  if (of_body_[body] != none) return of_body_[body];
+  const Number number = clusters_.size();
+  auto& members = clusters_.emplace_back().members;
+  members.push_back(body);
+  of_body_[body] = number;
+  std::vector<std::uint32_t> found;
+  for (std::size_t k = 0; k < members.size(); ++k) {
+    const std::uint32_t member = members[k];
+    found.clear();
+    outlook_->grid().find(outlook_->aura(member), found);
+    std::erase_if(found, [&](std::uint32_t other) {
+      return outlook_->rests(member) && outlook_->rests(other);
+    });
+    add_companions(member, found);
+    for (std::uint32_t other : found) {
+      if (of_body_[other] != none) continue;
+      of_body_[other] = number;
+      members.push_back(other);
+    }
+  }
+  return number;
+}
+
+bool Clusters::has_moved(Number cluster, std::int64_t ticks) const {
+  const auto& members = clusters_[cluster].members;
+  return std::any_of(members.begin(), members.end(), [&](std::uint32_t member) {
+    return situation_->now - situation_->hosted[member].changed_owner < ticks;
+  });
+}
+
+}  // namespace aureole

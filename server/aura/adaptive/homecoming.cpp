@@ -1,0 +1,186 @@
+// Islands, and what holds them back.
+#include "server/aura/adaptive/homecoming.h"
+
+#include <algorithm>
+#include <map>
+
+#include "server/aura/adaptive/aura_size.h"
+
+namespace aureole {
+namespace {
+
+/// Air that an island needs around it before it goes home (m); more than an aura is rounded by.
+constexpr double island_clearance_m = 0.1;
+
+/// What moves goes home only if it meets nothing but bodies of its new host for so long (s): it
+/// would be fetched back at once, and perhaps on from there.
+constexpr double clear_flight_s = 1.0;
+
+/// How far from anything that moves, and from its way of the next second, a resting body must be
+/// before it goes home (m).
+constexpr double calm_clearance_m = 1.0;
+
+/// Whoever has moved or expected a blow stays where it is for so long before it counts as resting
+/// for good and goes home.
+constexpr std::int64_t quiet_ticks = 32;
+
+}  // namespace
+
+void Homecoming::note_unrest(const MigrationSituation& s, const Outlook& outlook) {
+  for (std::uint32_t i = 0; i < s.hosted.size(); ++i)
+    if (!outlook.rests(i)) unrest_[s.hosted[i].id] = s.now;
+  std::erase_if(unrest_, [&](const auto& entry) { return s.now - entry.second > quiet_ticks; });
+  nothing_moves_ =
+      unrest_.empty() && std::all_of(s.remote.begin(), s.remote.end(),
+                                     [](const RemoteAura& aura) { return aura.resting; });
+}
+
+bool Homecoming::is_away(std::uint32_t body) const {
+  const WorldPosition& at = situation_->hosted[body].position;
+  return situation_->map.area(situation_->self).distance(at.x, at.z) >
+         (outlook_->rests(body) ? resting_hysteresis_m : home_hysteresis_m);
+}
+
+/// Where everything that moves may be within the next second if nothing turns it.
+void Homecoming::find_threats() {
+  threats_.clear();
+  for (std::uint32_t i = 0; i < situation_->hosted.size(); ++i) {
+    if (outlook_->rests(i)) continue;
+    threats_.push_back(outlook_->aura(i));
+    if (outlook_->moves(i)) threats_.push_back(flight_aura(situation_->hosted[i], clear_flight_s));
+  }
+  for (const RemoteAura& aura : situation_->remote) {
+    if (aura.resting) continue;
+    threats_.push_back(aura.box);
+    threats_.back().half.array() += aura.speed_mps * clear_flight_s;
+  }
+  threat_grid_.build(threats_);
+  calm_.assign(situation_->hosted.size(), Calm::unknown);
+  threats_known_ = true;
+}
+
+/// Whether nothing that moves is near the body, nor near anything that it leans on through others
+/// that rest: a heap or a row is cut where it has come to rest, not where the next blow is about to
+/// fall.
+bool Homecoming::is_calm(std::uint32_t body) {
+  if (!threats_known_) find_threats();
+  if (calm_[body] != Calm::unknown) return calm_[body] == Calm::calm;
+  Calm found_out = Calm::calm;
+  std::vector<std::uint32_t> heap{body}, found;
+  calm_[body] = Calm::calm;
+  for (std::size_t k = 0; k < heap.size() && found_out == Calm::calm; ++k) {
+    AuraBox box = outlook_->aura(heap[k]);
+    found.clear();
+    outlook_->grid().find(box, found);
+    for (std::uint32_t other : found) {
+      if (!outlook_->rests(other)) continue;
+      if (calm_[other] == Calm::threatened) found_out = Calm::threatened;
+      if (calm_[other] != Calm::unknown) continue;
+      calm_[other] = Calm::calm;
+      heap.push_back(other);
+    }
+    box.half.array() += calm_clearance_m;
+    found.clear();
+    threat_grid_.find(box, found);
+    if (!found.empty()) found_out = Calm::threatened;
+  }
+  for (std::uint32_t member : heap) calm_[member] = found_out;
+  return found_out == Calm::calm;
+}
+
+/// Whether the body alone would let its island leave.
+bool Homecoming::may_leave(std::uint32_t i, bool contested) {
+  const HostedBody& body = situation_->hosted[i];
+  // Who goes home may be met there at once, and fetched back.
+  const std::int64_t stay = nothing_moves_ ? calm_stay_ticks : long_stay_ticks;
+  return is_away(i) && !contested && situation_->now - body.changed_owner >= stay &&
+         (!outlook_->rests(i) || (!unrest_.contains(body.id) && is_calm(i)));
+}
+
+/// The clusters around a body that are not clear of each other. Auras travel rounded outwards: what
+/// leaves without some air to spare is met again from its new home, and fetched back at once.
+std::set<Clusters::Number> Homecoming::island_of(std::uint32_t body) {
+  std::set<Clusters::Number> island{clusters_->of(body)};
+  std::vector<Clusters::Number> open(island.begin(), island.end());
+  std::vector<std::uint32_t> found;
+  while (!open.empty()) {
+    const auto span = clusters_->members(open.back());
+    const std::vector<std::uint32_t> members(span.begin(), span.end());
+    open.pop_back();
+    for (std::uint32_t member : members) {
+      AuraBox box = outlook_->aura(member);
+      box.half.array() += island_clearance_m;
+      found.clear();
+      outlook_->grid().find(box, found);
+      for (std::uint32_t other : found) {
+        if (outlook_->rests(member) && outlook_->rests(other)) continue;
+        if (const auto near = clusters_->of(other); island.insert(near).second)
+          open.push_back(near);
+      }
+    }
+  }
+  return island;
+}
+
+/// Whether nothing of the island that moves will soon meet bodies that stay here, or that move, or
+/// of servers other than `home`.
+bool Homecoming::flies_clear(const std::set<Clusters::Number>& island, RegionId home) const {
+  std::vector<std::uint32_t> found;
+  for (const Clusters::Number number : island)
+    for (std::uint32_t member : clusters_->members(number)) {
+      if (outlook_->rests(member)) continue;
+      const AuraBox way = flight_aura(situation_->hosted[member], clear_flight_s);
+      found.clear();
+      outlook_->grid().find(way, found);
+      for (std::uint32_t other : found) {
+        const auto cluster = clusters_->known(other);
+        if (!cluster || !island.contains(*cluster)) return false;
+      }
+      found.clear();
+      outlook_->remote_grid().find(way, found);
+      for (std::uint32_t other : found) {
+        const RemoteAura& aura = situation_->remote[other];
+        if (aura.host != home || !aura.resting) return false;
+      }
+    }
+  return true;
+}
+
+std::vector<Homecoming::Island> Homecoming::islands(const MigrationSituation& s,
+                                                    const Outlook& outlook, Clusters& clusters,
+                                                    const std::vector<bool>& contested) {
+  situation_ = &s;
+  outlook_ = &outlook;
+  clusters_ = &clusters;
+  threats_known_ = false;
+  std::vector<Island> leaving;
+  std::vector<bool> judged;
+  for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
+    if (!is_away(i)) continue;
+    const Clusters::Number own = clusters.of(i);
+    judged.resize(clusters.size(), false);
+    if (judged[own]) continue;
+    const std::set<Clusters::Number> island = island_of(i);
+    judged.resize(clusters.size(), false);
+    std::map<RegionId, std::size_t> holds;
+    bool leaves = true;
+    for (const Clusters::Number number : island) {
+      judged[number] = true;
+      leaves = leaves && !clusters.sent(number);
+      for (std::uint32_t member : clusters.members(number)) {
+        const WorldPosition& at = s.hosted[member].position;
+        leaves = leaves && may_leave(member, contested[member]);
+        ++holds[s.map.region_at(at.x, at.z)];
+      }
+    }
+    if (!leaves) continue;
+    // Where most of its bodies are; the lower number on a tie.
+    const RegionId home = std::max_element(holds.begin(), holds.end(), [](auto& a, auto& b) {
+                            return a.second < b.second;
+                          })->first;
+    if (flies_clear(island, home)) leaving.push_back({{island.begin(), island.end()}, home});
+  }
+  return leaving;
+}
+
+}  // namespace aureole

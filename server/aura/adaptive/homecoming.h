@@ -1,0 +1,53 @@
+// Who goes back to the region that it lies in.
+#pragma once
+
+#include <cstdint>
+#include <set>
+#include <unordered_map>
+#include <vector>
+
+#include "server/aura/adaptive/clusters.h"
+#include "server/aura/adaptive/outlook.h"
+#include "server/aura/migration_policy.h"
+
+namespace aureole {
+
+/// A cluster of which no member reaches into the host's region, and which no projected aura
+/// touches, is an island: it goes to the region that holds most of it (section 3.5 of the paper).
+/// What rests goes home body by body, but only where nothing will soon pass: it would be fetched
+/// back at once.
+class Homecoming {
+ public:
+  struct Island {
+    std::vector<Clusters::Number> clusters;
+    RegionId home;
+  };
+
+  /// Once a tick, before islands(): remembers who stirs.
+  void note_unrest(const MigrationSituation& situation, const Outlook& outlook);
+  /// Disjoint islands that may go home now. `contested`: whether a hosted body's aura overlaps one
+  /// of another server's that it must be brought together with.
+  std::vector<Island> islands(const MigrationSituation& situation, const Outlook& outlook,
+                              Clusters& clusters, const std::vector<bool>& contested);
+
+ private:
+  bool is_away(std::uint32_t body) const;
+  bool is_calm(std::uint32_t body);
+  void find_threats();
+  bool may_leave(std::uint32_t body, bool contested);
+  std::set<Clusters::Number> island_of(std::uint32_t body);
+  bool flies_clear(const std::set<Clusters::Number>& island, RegionId home) const;
+
+  const MigrationSituation* situation_ = nullptr;  ///< Within islands().
+  const Outlook* outlook_ = nullptr;
+  Clusters* clusters_ = nullptr;
+  bool nothing_moves_ = false;               ///< Here for quiet_ticks, nor what others project.
+  std::unordered_map<BodyId, Tick> unrest_;  ///< When each body last moved or expected a blow.
+  OverlapGrid threat_grid_;                  ///< Built when asked for.
+  std::vector<AuraBox> threats_;
+  bool threats_known_ = false;
+  enum class Calm : std::uint8_t { unknown, calm, threatened };
+  std::vector<Calm> calm_;  ///< Of each resting body that was asked for in this tick.
+};
+
+}  // namespace aureole
