@@ -156,6 +156,32 @@ TEST_CASE("a body that meets two servers at a corner goes to the lowest one") {
   REQUIRE(decision.leaving[0].to == RegionId{0});
 }
 
+TEST_CASE("who has just changed its owner goes at once as far as it may have to") {
+  Scene scene;
+  scene.map = columns(3);
+  scene.self = 2;
+  scene.hosted = {awake_at(0, 13)};  // Three metres from the lowest server's region.
+  scene.remote = {aura(1, 1, false, 13.5)};
+  REQUIRE(scene.decide().leaving[0].to == RegionId{1});
+  scene.hosted[0].changed_owner = Tick{-long_stay_ticks + 1};
+  REQUIRE(scene.decide().leaving[0].to == RegionId{0});
+  scene.hosted[0].changed_owner = Tick{-long_stay_ticks};
+  REQUIRE(scene.decide().leaving[0].to == RegionId{1});
+}
+
+TEST_CASE("a row stays whole while something is about to strike its far end") {
+  for (const double gap : {0.6, 0.8}) {
+    Scene scene;
+    for (int n = 0; n < 6; ++n) scene.hosted.push_back(asleep_at(n, 10.5 + gap * n));
+    const double last = scene.hosted.back().position.x;
+    scene.hosted.push_back(awake_at(6, last + 1.5));
+    const auto decision = scene.decide();
+    // Lying in contact it is one thing, with air between them each goes by itself.
+    const bool first_leaves = !decision.leaving.empty() && decision.leaving[0].bodies[0] == name(0);
+    REQUIRE(first_leaves == (gap > 0.7));
+  }
+}
+
 TEST_CASE("what will be struck through a row of contacts goes along before the blow") {
   Scene scene;
   scene.self = 1;
