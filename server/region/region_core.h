@@ -61,7 +61,7 @@ struct RegionStatistics {
   std::uint64_t refused_bodies = 0;  ///< Not made because the world is full.
   std::uint64_t unacknowledged = 0;  ///< Messages in the journals.
   std::uint64_t stand_ins = 0;       ///< Resting bodies of others that ours can lean on.
-  /// Stand-ins whose load rose above its value at the cut by more than mass × 0.05 m/s:
+  /// Stand-ins whose load rose above its value at the cut by more than mass × 0.15 m/s:
   /// interactions that were missed.
   std::uint64_t struck_stand_ins = 0;
   std::uint64_t tolerance_events = 0;  ///< Times that a tolerance was left.

@@ -116,7 +116,7 @@ MUTATIONS = [
     Mutation(
         "all-stand-ins",
         "every foreign body is a stand-in, whether it rests or moves",
-        "server/aura/adaptive/adaptive_policy.cpp",
+        "server/aura/adaptive/outlook.h",
         "  bool rests(std::uint32_t body) const { return expected_mps_[body] <= 0; }",
         "  bool rests(std::uint32_t) const { return true; }",
         ((REGION, "two balls that fly at each other over a boundary bounce off as on one server"),
