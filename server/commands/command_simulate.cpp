@@ -12,9 +12,9 @@
 #include <thread>
 
 #include "server/commands/commands.h"
+#include "server/experiment/oracles/single_server_oracle.h"
 #include "server/experiment/seed_processes.h"
 #include "server/experiment/simulation.h"
-#include "server/experiment/single_server_oracle.h"
 
 namespace aureole {
 namespace {

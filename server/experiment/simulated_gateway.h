@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "server/experiment/simulated_network.h"
+#include "server/experiment/network/simulated_network.h"
 #include "server/replica/replica_store.h"
 #include "server/worlds/world.h"
 

@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
+#include "server/experiment/network/simulated_network.h"
 #include "server/experiment/random.h"
-#include "server/experiment/simulated_network.h"
 #include "server/region/region_core.h"
 
 namespace aureole {

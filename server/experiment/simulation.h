@@ -7,18 +7,18 @@
 #include <string>
 #include <vector>
 
-#include "server/experiment/fault_plan.h"
-#include "server/experiment/handoff_shadow.h"
-#include "server/experiment/oracle_interactions.h"
-#include "server/experiment/oracle_ownership.h"
-#include "server/experiment/scenario.h"
+#include "server/experiment/network/fault_plan.h"
+#include "server/experiment/network/simulated_network.h"
+#include "server/experiment/oracles/handoff_shadow.h"
+#include "server/experiment/oracles/oracle_interactions.h"
+#include "server/experiment/oracles/oracle_ownership.h"
+#include "server/experiment/oracles/tolerance_record.h"
+#include "server/experiment/oracles/world_view.h"
+#include "server/experiment/scenario/scenario.h"
 #include "server/experiment/seed_result.h"
 #include "server/experiment/simulated_gateway.h"
-#include "server/experiment/simulated_network.h"
 #include "server/experiment/simulated_players.h"
 #include "server/experiment/simulated_server.h"
-#include "server/experiment/tolerance_record.h"
-#include "server/experiment/world_view.h"
 
 namespace aureole {
 

@@ -1,5 +1,5 @@
 // What four servers make of a scene is what one makes of it; where it is not, that is seen.
-#include "server/experiment/single_server_oracle.h"
+#include "server/experiment/oracles/single_server_oracle.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;

@@ -1,7 +1,7 @@
 // Faults are drawn from the seed, and stop in time.
 #include <set>
 
-#include "server/experiment/fault_plan.h"
+#include "server/experiment/network/fault_plan.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;

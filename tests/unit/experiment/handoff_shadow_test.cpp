@@ -1,6 +1,6 @@
 // A body that is not where it would have been without its handoff is noticed, to the millimetre.
-#include "server/experiment/handoff_shadow.h"
-#include "server/experiment/scenario.h"
+#include "server/experiment/oracles/handoff_shadow.h"
+#include "server/experiment/scenario/scenario.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;

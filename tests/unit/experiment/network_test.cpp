@@ -1,7 +1,7 @@
 // The simulated network keeps TCP's contract and nothing more.
 #include <cstring>
 
-#include "server/experiment/simulated_network.h"
+#include "server/experiment/network/simulated_network.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;

@@ -1,5 +1,5 @@
 // The ledger of bodies.
-#include "server/experiment/oracle_ownership.h"
+#include "server/experiment/oracles/oracle_ownership.h"
 
 #include <fmt/format.h>
 

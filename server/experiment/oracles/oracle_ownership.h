@@ -7,10 +7,10 @@
 #include <set>
 #include <vector>
 
-#include "server/experiment/owner_changes.h"
+#include "server/experiment/oracles/owner_changes.h"
+#include "server/experiment/oracles/world_view.h"
 #include "server/experiment/seed_result.h"
 #include "server/experiment/simulated_server.h"
-#include "server/experiment/world_view.h"
 
 namespace aureole {
 

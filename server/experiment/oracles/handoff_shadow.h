@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "server/experiment/oracle_ownership.h"
-#include "server/experiment/world_view.h"
+#include "server/experiment/oracles/oracle_ownership.h"
+#include "server/experiment/oracles/world_view.h"
 #include "server/worlds/world.h"
 
 namespace aureole {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "server/aura/migration_mode.h"
+#include "server/experiment/network/simulated_network.h"
 #include "server/experiment/seed_result.h"
-#include "server/experiment/simulated_network.h"
 
 namespace aureole {
 

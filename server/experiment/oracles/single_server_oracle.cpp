@@ -1,5 +1,5 @@
 // Scenes, and what is measured of them.
-#include "server/experiment/single_server_oracle.h"
+#include "server/experiment/oracles/single_server_oracle.h"
 
 #include <algorithm>
 #include <cmath>

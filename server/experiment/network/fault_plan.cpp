@@ -1,5 +1,5 @@
 // Draws faults of every kind at random times, each with its own density.
-#include "server/experiment/fault_plan.h"
+#include "server/experiment/network/fault_plan.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // Capture at the sender, step, compare at the receiver.
-#include "server/experiment/handoff_shadow.h"
+#include "server/experiment/oracles/handoff_shadow.h"
 
 #include <algorithm>
 #include <set>

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/experiment/simulated_network.h"
+#include "server/experiment/network/simulated_network.h"
 
 namespace aureole {
 

@@ -1,5 +1,5 @@
 // Broad phase on an own grid, then real shapes, then the question of what excuses a pair.
-#include "server/experiment/oracle_interactions.h"
+#include "server/experiment/oracles/oracle_interactions.h"
 
 #include <fmt/format.h>
 

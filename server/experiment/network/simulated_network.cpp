@@ -1,5 +1,5 @@
 // Channels as queues with times of arrival; a hold delays, a reset empties.
-#include "server/experiment/simulated_network.h"
+#include "server/experiment/network/simulated_network.h"
 
 #include <algorithm>
 

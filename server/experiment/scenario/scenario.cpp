@@ -1,6 +1,6 @@
 // Draws what happens in a seed: heaps poured over boundaries, flights, rows that are struck,
 // players.
-#include "server/experiment/scenario.h"
+#include "server/experiment/scenario/scenario.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <set>
 
-#include "server/experiment/scenario.h"
+#include "server/experiment/scenario/scenario.h"
 
 namespace aureole {
 namespace {

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "server/aura/overlap_grid.h"
-#include "server/experiment/body_shapes.h"
-#include "server/experiment/oracle_ownership.h"
-#include "server/experiment/tolerance_record.h"
-#include "server/experiment/world_view.h"
+#include "server/experiment/oracles/body_shapes.h"
+#include "server/experiment/oracles/oracle_ownership.h"
+#include "server/experiment/oracles/tolerance_record.h"
+#include "server/experiment/oracles/world_view.h"
 
 namespace aureole {
 
