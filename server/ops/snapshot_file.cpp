@@ -120,7 +120,7 @@ class SnapshotFile::Slot {
     const std::uint64_t sequence = std::exchange(h.sequence, 0);
     std::memcpy(map_, &h, sizeof h);
     std::atomic_thread_fence(std::memory_order_seq_cst);
-    std::memcpy(static_cast<std::byte*>(map_) + sizeof(Header), bytes.data(), bytes.size());
+    std::copy(bytes.begin(), bytes.end(), static_cast<std::byte*>(map_) + sizeof(Header));
     std::atomic_thread_fence(std::memory_order_seq_cst);
     h.sequence = sequence;
     std::memcpy(map_, &h, sizeof h);
