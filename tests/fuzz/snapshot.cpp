@@ -69,5 +69,8 @@ std::vector<Bytes> aureole_fuzz_seeds() {
   full.blasts = effects.blasts;
   full.removals.emplace_back(BodyId::thrown(PlayerId{1}, 2), Tick{590});
   full.gateways = {0, 3};
-  return {encode_snapshot(empty, owner), encode_snapshot(full, owner)};
+  Snapshot never = full;
+  never.removals[0].second = Tick{INT64_MIN};
+  return {encode_snapshot(empty, owner), encode_snapshot(full, owner),
+          encode_snapshot(never, owner)};
 }
