@@ -13,6 +13,12 @@ namespace aureole {
 /// (region/players.cpp) never wrap around. They count quarters of seconds since 2025: 30 years.
 inline constexpr std::uint32_t session_max = 0xf000'0000;
 
+/// Ticks on the wire are at most this far from 0, so that differences of ticks never overflow.
+inline constexpr std::int64_t wire_tick_max = std::int64_t{1} << 40;
+inline constexpr bool is_wire_tick(std::int64_t tick) {
+  return tick >= -wire_tick_max && tick <= wire_tick_max;
+}
+
 namespace detail {
 
 /// The verifier looks at the alignment of a vector's length (4 bytes) only, while reading elements

@@ -68,7 +68,11 @@ struct BodyId : StrongId<struct BodyTag, std::uint64_t> {
     if (kind() == Kind::thrown) return PlayerId{static_cast<std::uint32_t>(value >> 24)};
     return {};
   }
-  constexpr bool valid() const { return kind() >= Kind::world && kind() <= Kind::thrown; }
+  /// An avatar has one name only: its player is found by it.
+  constexpr bool valid() const {
+    if (kind() == Kind::avatar) return player().value != 0 && *this == avatar(player());
+    return kind() >= Kind::world && kind() <= Kind::thrown;
+  }
 
  private:
   static constexpr BodyId make(Kind k, std::uint64_t rest) {

@@ -71,6 +71,9 @@ Result<Tick> AuraExchange::receive(RegionId from, std::span<const std::byte> pay
                                    std::size_t prototypes, std::size_t regions) {
   const auto* message = verified<wire::Auras>(payload);
   if (message == nullptr) return Error{"an auras message is not valid"};
+  if (!is_wire_tick(message->tick()))
+    return Error::format("an auras message of tick {}; expected at most {} from 0", message->tick(),
+                         wire_tick_max);
   const auto too_many = [](const auto* list) {
     return list != nullptr && list->size() > max_auras;
   };

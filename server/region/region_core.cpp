@@ -121,10 +121,8 @@ Status RegionCore::receive(PeerId from, const Frame& frame) {
       auto arrival = peer.journal.arrive(frame.sequence);
       if (!arrival) return arrival.error();
       if (*arrival == Journal::Arrival::repeated) return Ok{};
-      if (recovery_)
-        recovery_->hear_group(std::move(*group));
-      else
-        arrived_groups_.push_back({from.as_region(), std::move(*group)});
+      if (recovery_) return recovery_->hear_group(*group);
+      arrived_groups_.push_back({from.as_region(), std::move(*group)});
       return Ok{};
     }
     case FrameType::effects: {

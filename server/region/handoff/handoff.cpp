@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "protocol/wire_values.h"
 #include "server/base/check.h"
@@ -11,17 +12,11 @@
 namespace aureole {
 namespace {
 
-/// Ticks on the wire are at most this far from 0, so that differences of ticks never overflow.
-constexpr std::int64_t tick_limit = std::int64_t{1} << 40;
 /// The contacts of a message take at most so many bytes; together with max_handoff_bodies bodies
 /// they fit a frame.
 constexpr std::size_t contacts_bytes_max = 5u << 20;
 /// Heavier blows than between the heaviest and fastest bodies of any world are made up (N s).
 constexpr float impulse_max = 1e10f;
-
-bool is_tick(std::int64_t tick) {
-  return tick >= -tick_limit && tick <= tick_limit;
-}
 
 using aureole::from_wire;
 using aureole::to_wire;
@@ -139,32 +134,33 @@ Result<ContactPoint> from_wire(const wire::HandoffPoint& p) {
   return point;
 }
 
+bool in_group(const HandoffGroup& group, BodyId id) {
+  return std::binary_search(group.bodies.begin(), group.bodies.end(),
+                            HandoffGroup::Body{{id, {}, {}}, 0, 0},
+                            [](const auto& a, const auto& b) { return a.body.id < b.body.id; });
+}
+
 Result<ContactManifold> from_wire(const wire::HandoffManifold& m, const HandoffGroup& group,
                                   std::size_t statics) {
-  const auto in_group = [&](BodyId id) {
-    return std::binary_search(group.bodies.begin(), group.bodies.end(),
-                              HandoffGroup::Body{{id, {}, {}}, 0, 0},
-                              [](const auto& a, const auto& b) { return a.body.id < b.body.id; });
-  };
   const auto stays_behind = [&](BodyId id) {
     return std::binary_search(group.stand_ins.begin(), group.stand_ins.end(), NewBody{id, {}, {}},
                               [](const auto& a, const auto& b) { return a.id < b.id; });
   };
-  const auto known = [&](BodyId id) { return in_group(id) || stays_behind(id); };
+  const auto known = [&](BodyId id) { return in_group(group, id) || stays_behind(id); };
   ContactManifold manifold;
   manifold.a = BodyId{m.a()};
   manifold.ordinal = m.ordinal();
   if (m.b_body() != 0) {
     manifold.b = BodyId{m.b_body()};
     const BodyId b{m.b_body()};
-    if (!known(b) || m.a() == m.b_body() || (!in_group(b) && !in_group(manifold.a)))
+    if (!known(b) || m.a() == m.b_body() || (!in_group(group, b) && !in_group(group, manifold.a)))
       return Error{"a contact in a handoff names a body outside the group"};
   } else {
     if (m.b_static() >= statics) return Error{"a contact in a handoff names unknown geometry"};
     manifold.b = StaticId{m.b_static()};
   }
   const bool on_geometry = m.b_body() == 0;
-  if (on_geometry ? !in_group(manifold.a) : !known(manifold.a))
+  if (on_geometry ? !in_group(group, manifold.a) : !known(manifold.a))
     return Error{"a contact in a handoff names a body outside the group"};
   if (m.points() == nullptr || m.points()->size() == 0 || m.points()->size() > 4)
     return Error{"a contact in a handoff has not 1 to 4 points"};
@@ -183,7 +179,8 @@ Result<Avatar> from_wire(const wire::HandoffPlayer& p) {
   if (!std::isfinite(p.yaw()) || !std::isfinite(p.pitch()) ||
       !(p.carried_distance_m() >= 0 && p.carried_distance_m() < 100))
     return Error{"a player in a handoff has numbers out of range"};
-  if (p.session() > session_max || !is_tick(p.lost_since_tick()) || !is_tick(p.active_tick()))
+  if (p.session() > session_max || !is_wire_tick(p.lost_since_tick()) ||
+      !is_wire_tick(p.active_tick()))
     return Error{"a player in a handoff has a session or a tick that cannot be"};
   if (BodyId{p.carried()}.kind() == BodyId::Kind::avatar)
     return Error{"a player in a handoff carries an avatar"};
@@ -296,9 +293,9 @@ Result<HandoffGroup> decode_handoff(std::span<const std::byte> payload, std::siz
       message->bodies()->size() > max_handoff_bodies)
     return Error::format("a handoff must carry 1 to {} bodies", max_handoff_bodies);
 
-  if (!is_tick(message->tick()))
+  if (!is_wire_tick(message->tick()))
     return Error::format("a handoff of tick {}; expected at most {} from 0", message->tick(),
-                         tick_limit);
+                         wire_tick_max);
 
   HandoffGroup group;
   group.tick = Tick{message->tick()};
@@ -321,19 +318,30 @@ Result<HandoffGroup> decode_handoff(std::span<const std::byte> payload, std::siz
     }
   }
   if (message->manifolds() != nullptr) {
+    std::size_t points = 0;
     for (const auto* m : *message->manifolds()) {
       auto manifold = from_wire(*m, group, statics);
       if (!manifold) return manifold.error();
+      // Offsets may lead to one place again and again; memory is only for what has travelled.
+      points += manifold->points.size();
+      if (points * sizeof(wire::HandoffPoint) > payload.size())
+        return Error{"a handoff names the same contacts several times"};
       group.contacts.push_back(std::move(*manifold));
     }
   }
   if (message->players() != nullptr) {
+    std::set<PlayerId> players;
+    std::size_t waiting = 0;
     for (const auto* p : *message->players()) {
       auto avatar = from_wire(*p);
       if (!avatar) return avatar.error();
-      const bool aboard = std::any_of(group.bodies.begin(), group.bodies.end(),
-                                      [&](const auto& b) { return b.body.id == avatar->body(); });
-      if (!aboard) return Error{"a handoff carries a player without its avatar"};
+      if (!in_group(group, avatar->body()))
+        return Error{"a handoff carries a player without its avatar"};
+      if (!players.insert(avatar->player).second)
+        return Error::format("a handoff carries player {} twice", avatar->player.value);
+      waiting += avatar->waiting.size();
+      if (waiting * sizeof(wire::Command) > payload.size())
+        return Error{"a handoff names the same commands several times"};
       group.avatars.push_back(std::move(*avatar));
     }
   }

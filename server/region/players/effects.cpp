@@ -7,6 +7,12 @@
 #include "protocol/wire_values.h"
 
 namespace aureole {
+namespace {
+
+/// No body travels from farther away from the origin along any axis.
+constexpr double blast_distance_max_m = 2 * position_limit_m;
+
+}  // namespace
 
 Bytes encode_effects(const EffectsMessage& message) {
   flatbuffers::FlatBufferBuilder builder(256);
@@ -35,10 +41,12 @@ Result<EffectsMessage> decode_effects(std::span<const std::byte> payload) {
     for (const auto* b : *message->blasts()) {
       BlastEffect blast{b->id(),       Tick{b->tick()}, from_wire(b->position()),
                         b->radius_m(), b->speed_mps(),  BodyId{b->spared()}};
-      const bool sane = blast.position.is_finite() && blast.radius_m > 0 &&
-                        blast.radius_m <= 1000 && std::isfinite(blast.speed_mps) &&
-                        std::abs(blast.speed_mps) <= 1000;
-      if (!sane) return Error{"a blast has numbers out of range"};
+      // Written so that what is not a number is out of range.
+      const bool sane = is_wire_tick(b->tick()) &&
+                        blast.position.vector().cwiseAbs().maxCoeff() <= blast_distance_max_m &&
+                        blast.position.is_finite() && blast.radius_m > 0 &&
+                        blast.radius_m <= 1000 && std::abs(blast.speed_mps) <= 1000;
+      if (!sane) return Error{"a blast has numbers or a tick out of range"};
       effects.blasts.push_back(blast);
     }
   }

@@ -15,7 +15,6 @@ using aureole::to_wire;
 
 constexpr std::size_t traces_per_frame = 65'536;
 constexpr std::size_t states_per_frame = 32'768;
-constexpr std::int64_t tick_limit = std::int64_t{1} << 40;
 
 wire::ReplicaVersion to_wire(const Version& v) {
   return {v.epoch, v.region.value, v.incarnation.value};
@@ -137,7 +136,7 @@ Result<RecoveryAnswer> decode_recovery_answer(std::span<const std::byte> payload
                                               std::size_t regions, std::size_t prototypes) {
   const auto* message = verified<wire::RecoveryAnswer>(payload);
   if (message == nullptr) return Error{"a recovery answer is not a valid message"};
-  if (message->heard_tick() < -1 || message->heard_tick() > tick_limit)
+  if (message->heard_tick() < -1 || message->heard_tick() > wire_tick_max)
     return Error::format("a recovery answer has heard of tick {}", message->heard_tick());
   RecoveryAnswer answer{message->round(),
                         message->complete(),

@@ -84,8 +84,17 @@ void Recovery::peer_down(PeerId id) {
   }
 }
 
-void Recovery::hear_group(HandoffGroup group) {
+Status Recovery::check_room(std::size_t bodies, std::size_t players) const {
+  if (known_.size() + bodies > 2 * known_max || players_.size() + players > 2 * known_max)
+    return Error::format("servers tell a recovering region of more than {} bodies or players",
+                         2 * known_max);
+  return Ok{};
+}
+
+Status Recovery::hear_group(const HandoffGroup& group) {
+  if (auto ok = check_room(group.bodies.size(), 0); !ok) return ok;
   note_group(group, setup_.incarnation, 1);
+  return Ok{};
 }
 
 Status Recovery::hear_answer(PeerId from, std::span<const std::byte> payload) {
@@ -98,8 +107,9 @@ Status Recovery::hear_answer(PeerId from, std::span<const std::byte> payload) {
     new_round_ = true;
     return Ok{};
   }
-  if (known_.size() + answer->traces.size() + answer->states.size() > 2 * known_max)
-    return Error::format("more than {} bodies in recovery answers", known_max);
+  if (auto ok = check_room(answer->traces.size() + answer->states.size(), answer->players.size());
+      !ok)
+    return ok;
   // Versions that have existed stay true, whichever round they come from.
   for (const Trace& trace : answer->traces) {
     Known& known = known_[trace.id];

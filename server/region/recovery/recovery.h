@@ -32,8 +32,8 @@ class Recovery {
 
   void peer_up(PeerId peer, Incarnation incarnation);
   void peer_down(PeerId peer);
-  /// A group that a neighbour sends again, or sends first.
-  void hear_group(HandoffGroup group);
+  /// A group that a neighbour sends again, or sends first. An Error as with hear_answer().
+  Status hear_group(const HandoffGroup& group);
   /// A payload of FrameType::recovery_answer. An Error means that the link must be closed; nothing
   /// of it has been taken.
   Status hear_answer(PeerId from, std::span<const std::byte> payload);
@@ -69,7 +69,7 @@ class Recovery {
   /// Without a snapshot at least one gateway is waited for so long, and so is the answer of any
   /// that is linked.
   static constexpr std::int64_t any_gateway_ticks = ticks_from_ms(5'000);
-  /// More bodies than this are refused: somebody makes names up.
+  /// More bodies or players than twice this are refused: somebody makes names up.
   static constexpr std::size_t known_max = 400'000;
 
  private:
@@ -91,6 +91,7 @@ class Recovery {
     std::optional<Version> own;  ///< What this region could claim.
   };
 
+  Status check_room(std::size_t bodies, std::size_t players) const;
   void note_state(const HandoffGroup::Body& body, const Version& version, bool own);
   void note_group(const HandoffGroup& group, Incarnation incarnation, std::uint32_t epochs_on);
   void note_avatar(const Avatar& avatar);

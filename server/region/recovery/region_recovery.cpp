@@ -161,7 +161,8 @@ Status RegionCore::recover(std::span<const std::byte> snapshot) {
       std::move(read));
   for (const auto& [id, peer] : peers_)
     if (peer.up) recovery_->peer_up(id, peer.incarnation);
-  for (Arrived& arrived : arrived_groups_) recovery_->hear_group(std::move(arrived.group));
+  for (const Arrived& arrived : arrived_groups_)
+    if (auto heard = recovery_->hear_group(arrived.group); !heard) status = heard;
   arrived_groups_.clear();
   return status;
 }

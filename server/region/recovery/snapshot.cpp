@@ -10,7 +10,6 @@ namespace {
 
 /// Grows with every change of meaning; an older one counts as none.
 constexpr std::uint32_t snapshot_format = 1;
-constexpr std::int64_t tick_limit = std::int64_t{1} << 40;
 /// Of one kind in one snapshot; far more than queues and journals hold.
 constexpr std::size_t messages_max = 65'536;
 constexpr std::size_t gateways_max = 4096;
@@ -23,16 +22,15 @@ MessageAt add(flatbuffers::FlatBufferBuilder& builder, FrameType type, const Byt
                                      builder.CreateVector(data, payload.size()));
 }
 
-bool is_tick(std::int64_t tick) {
-  return tick >= -tick_limit && tick <= tick_limit;
-}
-
-/// Copied, so that the message inside lies aligned.
-Bytes payload_of(const wire::SnapshotMessage* message) {
-  if (message == nullptr || message->payload() == nullptr) return {};
+/// Copied, so that the message inside lies aligned. `room`: bytes that messages may still have.
+/// Offsets may lead to one message again and again; memory is only for what was written.
+Result<Bytes> payload_of(const wire::SnapshotMessage* message, std::size_t& room) {
+  if (message == nullptr || message->payload() == nullptr) return Bytes{};
   const auto bytes =
       std::as_bytes(std::span(message->payload()->data(), message->payload()->size()));
-  return {bytes.begin(), bytes.end()};
+  if (bytes.size() > room) return Error{"the snapshot names the same messages several times"};
+  room -= bytes.size();
+  return Bytes(bytes.begin(), bytes.end());
 }
 
 template <class Vector>
@@ -43,25 +41,29 @@ Status check_size(const Vector* vector, std::size_t max, const char* of) {
 }
 
 Result<std::vector<HandoffGroup>> read_groups(const flatbuffers::Vector<MessageAt>* messages,
-                                              const SnapshotOwner& owner) {
+                                              const SnapshotOwner& owner, std::size_t& room) {
   std::vector<HandoffGroup> groups;
   if (messages == nullptr) return groups;
   if (auto ok = check_size(messages, messages_max, "groups"); !ok) return ok.error();
   for (const wire::SnapshotMessage* message : *messages) {
-    auto group = decode_handoff(payload_of(message), owner.prototypes, owner.statics);
+    const auto payload = payload_of(message, room);
+    if (!payload) return payload.error();
+    auto group = decode_handoff(*payload, owner.prototypes, owner.statics);
     if (!group) return Error::format("in the snapshot: {}", group.error().message);
     groups.push_back(std::move(*group));
   }
   return groups;
 }
 
-Status read_journal(const wire::SnapshotPeer& peer, const SnapshotOwner& owner,
+Status read_journal(const wire::SnapshotPeer& peer, const SnapshotOwner& owner, std::size_t& room,
                     Snapshot::Peer& to) {
   if (peer.journal() == nullptr) return Ok{};
   if (auto ok = check_size(peer.journal(), messages_max, "messages"); !ok) return ok;
   for (const wire::SnapshotMessage* message : *peer.journal()) {
     const auto type = static_cast<FrameType>(message->type());
-    Bytes payload = payload_of(message);
+    auto copied = payload_of(message, room);
+    if (!copied) return copied.error();
+    Bytes& payload = *copied;
     Status status = Ok{};
     if (type == FrameType::handoff) {
       if (auto r = decode_handoff(payload, owner.prototypes, owner.statics); !r) status = r.error();
@@ -78,7 +80,8 @@ Status read_journal(const wire::SnapshotPeer& peer, const SnapshotOwner& owner,
   return Ok{};
 }
 
-Status read_peers(const wire::Snapshot& table, const SnapshotOwner& owner, Snapshot& to) {
+Status read_peers(const wire::Snapshot& table, const SnapshotOwner& owner, std::size_t& room,
+                  Snapshot& to) {
   if (table.peers() == nullptr) return Ok{};
   if (auto ok = check_size(table.peers(), owner.regions, "peers"); !ok) return ok;
   for (const wire::SnapshotPeer* peer : *table.peers()) {
@@ -87,8 +90,8 @@ Status read_peers(const wire::Snapshot& table, const SnapshotOwner& owner, Snaps
                            owner.region.value);
     Snapshot::Peer& entry = to.peers.emplace_back();
     entry.region = RegionId{peer->region()};
-    if (auto ok = read_journal(*peer, owner, entry); !ok) return ok;
-    auto waiting = read_groups(peer->waiting(), owner);
+    if (auto ok = read_journal(*peer, owner, room, entry); !ok) return ok;
+    auto waiting = read_groups(peer->waiting(), owner, room);
     if (!waiting) return waiting.error();
     entry.waiting = std::move(*waiting);
   }
@@ -104,9 +107,9 @@ Status check_owner(const wire::Snapshot& table, const SnapshotOwner& owner) {
     return Error::format("the snapshot is of region {}; expected {}", table.region(),
                          owner.region.value);
   if (table.incarnation() == 0) return Error{"the snapshot is of no start of a region"};
-  if (!is_tick(table.tick()))
+  if (!is_wire_tick(table.tick()))
     return Error::format("the snapshot is of tick {}; expected at most {} from 0", table.tick(),
-                         tick_limit);
+                         wire_tick_max);
   return Ok{};
 }
 
@@ -159,23 +162,26 @@ Result<Snapshot> decode_snapshot(std::span<const std::byte> bytes, const Snapsho
   Snapshot snapshot;
   snapshot.incarnation = Incarnation{table->incarnation()};
   snapshot.tick = Tick{table->tick()};
-  auto hosted = read_groups(table->hosted(), owner);
+  std::size_t room = bytes.size();
+  auto hosted = read_groups(table->hosted(), owner, room);
   if (!hosted) return hosted.error();
   snapshot.hosted = std::move(*hosted);
-  if (auto ok = read_peers(*table, owner, snapshot); !ok) return ok.error();
+  if (auto ok = read_peers(*table, owner, room, snapshot); !ok) return ok.error();
   if (table->injected() == nullptr || table->injected()->size() != owner.injectors)
     return Error::format("the snapshot counts other injectors than the {} of this world",
                          owner.injectors);
   snapshot.injected.assign(table->injected()->begin(), table->injected()->end());
   if (table->blasts() != nullptr) {
-    auto effects = decode_effects(payload_of(table->blasts()));
+    const auto payload = payload_of(table->blasts(), room);
+    if (!payload) return payload.error();
+    auto effects = decode_effects(*payload);
     if (!effects) return Error::format("in the snapshot: {}", effects.error().message);
     snapshot.blasts = std::move(effects->blasts);
   }
   if (table->removals() != nullptr) {
     if (auto ok = check_size(table->removals(), messages_max, "removals"); !ok) return ok.error();
     for (const wire::SnapshotRemoval* r : *table->removals()) {
-      if (!BodyId{r->id()}.valid() || !is_tick(r->tick()))
+      if (!BodyId{r->id()}.valid() || !is_wire_tick(r->tick()))
         return Error{"the snapshot removes a body that cannot be"};
       snapshot.removals.emplace_back(BodyId{r->id()}, Tick{r->tick()});
     }

@@ -4,6 +4,7 @@
 #include <limits>
 #include <random>
 
+#include "protocol/wire.h"
 #include "server/region/handoff/handoff.h"
 #include "server/region/players/effects.h"
 #include "tests/support/catch.h"
@@ -135,6 +136,13 @@ TEST_CASE("a handoff with anything wrong in it is refused with a sentence") {
   REQUIRE_FALSE(refusal([](auto& g) { g.avatars[0].carried = g.avatars[0].body(); }).empty());
   REQUIRE_FALSE(refusal([](auto& g) { g.avatars[0].lost_since = Tick{INT64_MIN}; }).empty());
   REQUIRE_FALSE(refusal([](auto& g) { g.avatars[0].session = UINT32_MAX; }).empty());
+  REQUIRE(refusal([](auto& g) { g.avatars.push_back(g.avatars[0]); }) ==
+          "a handoff carries player 5 twice");
+  // A second name of an avatar, beside the one that its player is found by.
+  REQUIRE_FALSE(refusal([](auto& g) {
+                  g.avatars.clear();
+                  g.bodies.back().body.id.value |= std::uint64_t{1} << 40;
+                }).empty());
 }
 
 TEST_CASE("no cut or flipped byte of a handoff does more than be refused") {
@@ -186,8 +194,32 @@ TEST_CASE("commands and effects come back as they were, and are refused when the
   effects.removals.push_back(BodyId::avatar(PlayerId{1}));
   REQUIRE_FALSE(decode_effects(encode_effects(effects)));
   effects.removals.pop_back();
-  effects.blasts[0].radius_m = -1;
-  REQUIRE_FALSE(decode_effects(encode_effects(effects)));
+  for (const auto& spoil : std::initializer_list<void (*)(BlastEffect&)>{
+           [](auto& b) { b.radius_m = -1; }, [](auto& b) { b.radius_m = NAN; },
+           [](auto& b) { b.speed_mps = NAN; }, [](auto& b) { b.position.z = NAN; },
+           [](auto& b) { b.position.x = -1e300; }, [](auto& b) { b.tick = Tick{INT64_MIN}; },
+           [](auto& b) { b.tick = Tick{INT64_MAX}; }}) {
+    EffectsMessage bad = effects;
+    REQUIRE(decode_effects(encode_effects(bad)));
+    spoil(bad.blasts[0]);
+    REQUIRE_FALSE(decode_effects(encode_effects(bad)));
+  }
+}
+
+TEST_CASE("a handoff that names one contact many times is refused before it fills the memory") {
+  flatbuffers::FlatBufferBuilder builder;
+  const auto id = BodyId::world(1).value;
+  const std::vector body(1, wire::HandoffBody(id, 1, 0, 0, 0, {}, {0, 0, 0, 1}, {}, {}, 0, 0));
+  const std::vector points(4,
+                           wire::HandoffPoint({}, {}, {0, 1, 0}, 0, 0, 0, 0, {}, {}, 0, 0, -1, -1));
+  const auto contact =
+      wire::CreateHandoffManifold(builder, id, 0, 0, 0, builder.CreateVectorOfStructs(points));
+  const auto contacts = builder.CreateVector(std::vector(100'000, contact));
+  builder.Finish(wire::CreateHandoff(builder, 1, builder.CreateVectorOfStructs(body), contacts));
+  const auto bytes = std::as_bytes(std::span(builder.GetBufferPointer(), builder.GetSize()));
+  const auto group = decode_handoff(Bytes(bytes.begin(), bytes.end()), 4, 4);
+  REQUIRE_FALSE(group);
+  REQUIRE(group.error().message == "a handoff names the same contacts several times");
 }
 
 TEST_CASE("a group with more contacts than fit a frame travels with those that fit") {

@@ -1,7 +1,9 @@
 // Snapshots and recovery answers as bytes: whole, bounded, and checked when they are read.
 #include <random>
 
+#include "protocol/wire.h"
 #include "server/region/recovery/answer.h"
+#include "server/region/recovery/recovery.h"
 #include "server/region/recovery/snapshot.h"
 #include "tests/support/catch.h"
 
@@ -124,6 +126,57 @@ TEST_CASE("no damage to a snapshot or an answer is worse than a refusal") {
       }
     }
   }
+}
+
+TEST_CASE("a snapshot that names one group many times is refused before it fills the memory") {
+  const Bytes group = encode_handoff(small_snapshot().hosted[0]);
+  const auto snapshot_of = [&](std::size_t times) {
+    flatbuffers::FlatBufferBuilder builder;
+    const auto* data = reinterpret_cast<const std::uint8_t*>(group.data());
+    const auto payload = builder.CreateVector(data, group.size());
+    const auto message = wire::CreateSnapshotMessage(builder, 6, payload);
+    const auto hosted = builder.CreateVector(std::vector(times, message));
+    const auto injected = builder.CreateVector(std::vector<std::uint64_t>{1, 2});
+    builder.Finish(
+        wire::CreateSnapshot(builder, 1, owner.world_hash, 0, 5, 600, hosted, 0, injected));
+    const auto bytes = std::as_bytes(std::span(builder.GetBufferPointer(), builder.GetSize()));
+    return Bytes(bytes.begin(), bytes.end());
+  };
+  REQUIRE(decode_snapshot(snapshot_of(1), owner));
+  REQUIRE(decode_snapshot(snapshot_of(2000), owner).error().message ==
+          "the snapshot names the same messages several times");
+}
+
+TEST_CASE("a recovering region hears of no more bodies and players than a world can have") {
+  Recovery recovery({RegionId{0}, Incarnation{2}, 2, 4, 1}, std::nullopt);
+  const PeerId gateway = PeerId::gateway(0);
+  recovery.peer_up(gateway, Incarnation{1});
+  const auto hear = [&](const RecoveryAnswer& answer) {
+    for (const SharedBytes& frame : encode_recovery_answer(answer))
+      if (!recovery.hear_answer(gateway, decode_frame(*frame)->payload)) return false;
+    return true;
+  };
+  const auto frames_until_refused = [&](auto fill) {
+    std::uint32_t next = 1;
+    for (std::size_t frames = 0;; ++frames) {
+      RecoveryAnswer answer;
+      answer.round = 1;
+      for (int n = 0; n < 50'000; ++n) fill(answer, next++);
+      if (!hear(answer)) return frames;
+      REQUIRE(frames < 100);
+    }
+  };
+  REQUIRE(frames_until_refused([](RecoveryAnswer& answer, std::uint32_t n) {
+            answer.players.push_back({PlayerId{n}, 5, 6, {}});
+          }) == 2 * Recovery::known_max / 50'000);
+  REQUIRE(frames_until_refused([](RecoveryAnswer& answer, std::uint32_t n) {
+            answer.traces.push_back({BodyId::world(n), {1, Incarnation{1}, RegionId{1}}, false});
+          }) == 2 * Recovery::known_max / 50'000);
+  // Nor by groups that neighbours hand over meanwhile.
+  HandoffGroup group;
+  group.bodies.push_back({body(0), 1});
+  REQUIRE_FALSE(recovery.hear_group(group));
+  REQUIRE(hear({}));
 }
 
 TEST_CASE("an answer of regions or prototypes that this world does not have is refused") {
