@@ -34,7 +34,7 @@ class Simulation {
   /// Faults stop at this share of the run's time; then everything must settle.
   static constexpr double faults_share = 0.6;
   /// After the run's time it waits so long (virtual) for everything to fall asleep.
-  static constexpr double calm_extension_s = 10;
+  static constexpr double calm_extension_s = 20;
 
   Simulation(Scenario scenario, const SimulationOptions& options);
   ~Simulation();

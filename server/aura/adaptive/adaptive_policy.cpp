@@ -77,9 +77,13 @@ class AdaptivePolicy final : public MigrationPolicy {
   }
 
   void answer_requests(const MigrationSituation& s, Leaving& leaving) {
-    for (const HandoverRequest& request : s.requested)
-      if (const auto body = index_of(s.hosted, request.body))
-        send(s, clusters_.of(*body), request.to, leaving);
+    for (const HandoverRequest& request : s.requested) {
+      const auto body = index_of(s.hosted, request.body);
+      if (!body) continue;
+      // Who asks does not see all of the cluster: it may reach where it would be fetched on to.
+      const Clusters::Number cluster = clusters_.of(*body);
+      send(s, cluster, std::min(request.to, lowest_around(s, cluster, {})), leaving);
+    }
   }
 
   /// Brings overlapping pairs together of which at least one moves. Owners thus change only towards
@@ -100,6 +104,7 @@ class AdaptivePolicy final : public MigrationPolicy {
         contested[clusters_.of(body)].push_back(&aura);
       }
     }
+    warn_visitors(s);
     for (const auto& [cluster, auras] : contested) {
       // Ours is on its way already: the two must not swap.
       if (clusters_.sent(cluster)) continue;
@@ -107,6 +112,19 @@ class AdaptivePolicy final : public MigrationPolicy {
       for (const RemoteAura* aura : auras)
         if (aura->host > s.self) pulls[{aura->host, to}].insert(aura->id);
       send(s, cluster, to, leaving);
+    }
+  }
+
+  /// Whoever hosts something on the way of what moves here is told of it: it must not come home
+  /// into the way.
+  void warn_visitors(const MigrationSituation& s) {
+    if (s.remote.empty()) return;
+    std::vector<std::uint32_t> found;
+    for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
+      if (!outlook_.moves(i)) continue;
+      found.clear();
+      outlook_.remote_grid().find(flight_aura(s.hosted[i], clear_flight_s), found);
+      for (std::uint32_t other : found) visitors_[i].add(s.remote[other].host);
     }
   }
 

@@ -12,10 +12,6 @@ namespace {
 /// Air that an island needs around it before it goes home (m); more than an aura is rounded by.
 constexpr double island_clearance_m = 0.1;
 
-/// What moves goes home only if it meets nothing but bodies of its new host for so long (s): it
-/// would be fetched back at once, and perhaps on from there.
-constexpr double clear_flight_s = 1.0;
-
 /// How far from anything that moves, and from its way of the next second, a resting body must be
 /// before it goes home (m).
 constexpr double calm_clearance_m = 1.0;

@@ -12,6 +12,10 @@
 
 namespace aureole {
 
+/// What moves goes home only if it meets nothing but bodies of its new host for so long (s): it
+/// would be fetched back at once, and perhaps on from there.
+inline constexpr double clear_flight_s = 1.0;
+
 /// A cluster of which no member reaches into the host's region, and which no projected aura
 /// touches, is an island: it goes to the region that holds most of it (section 3.5 of the paper).
 /// What rests goes home body by body, but only where nothing will soon pass: it would be fetched

@@ -1,6 +1,8 @@
 // Putting stand-ins up and taking them down.
 #include "server/region/stand_ins/stand_ins.h"
 
+#include <algorithm>
+
 namespace aureole {
 namespace {
 
@@ -19,6 +21,17 @@ void StandIns::put(const NewBody& body, const Entry& entry) {
   if (physics_.is_stand_in(body.id) && same_pose(physics_.stand_in(body.id).state, body.state))
     return;
   physics_.add_stand_ins(std::span(&body, 1));
+}
+
+void StandIns::wake_what_is_inside(std::span<const BodyId> stand_ins) {
+  for (const ContactManifold& manifold : physics_.contacts_around(stand_ins)) {
+    const bool deep = std::any_of(manifold.points.begin(), manifold.points.end(),
+                                  [](auto& point) { return point.distance < -overlap_wakes_m; });
+    if (!deep) continue;
+    if (physics_.contains(manifold.a)) physics_.wake(manifold.a);
+    if (const auto* b = std::get_if<BodyId>(&manifold.b); b && physics_.contains(*b))
+      physics_.wake(*b);
+  }
 }
 
 void StandIns::left(std::span<const BodyId> ids, RegionId to, Tick now) {
@@ -42,6 +55,7 @@ void StandIns::forget_bodies() {
 
 void StandIns::take(std::span<const RestingNews> news, Tick now) {
   forget_bodies();
+  std::vector<BodyId> fresh;
   for (const RestingNews& item : news) {
     const BodyId id = item.body.id;
     if (item.kind == RestingNews::Kind::told_all) {
@@ -50,7 +64,9 @@ void StandIns::take(std::span<const RestingNews> news, Tick now) {
       continue;
     }
     if (item.kind == RestingNews::Kind::rests) {
-      if (!physics_.contains(id)) put(item.body, {item.from, true, now});
+      if (physics_.contains(id)) continue;
+      if (!physics_.is_stand_in(id)) fresh.push_back(id);
+      put(item.body, {item.from, true, now});
       continue;
     }
     const auto at = entries_.find(id);
@@ -63,6 +79,8 @@ void StandIns::take(std::span<const RestingNews> news, Tick now) {
       physics_.remove_stand_ins(std::span(&id, 1), Wake::touching);
     }
   }
+  std::erase_if(fresh, [&](BodyId id) { return !physics_.is_stand_in(id); });
+  if (!fresh.empty()) wake_what_is_inside(fresh);
 }
 
 void StandIns::tidy(std::span<const RemoteAura> remote, Tick now) {

@@ -36,6 +36,9 @@ class StandIns {
 
   std::size_t size() const { return entries_.size(); }
 
+  /// A body that sleeps this deep inside a new stand-in wakes and is pushed out (m): another came
+  /// to lie there while its server was down. Heaps that are cut are in each other by centimetres.
+  static constexpr float overlap_wakes_m = 0.1f;
   /// About a second of flights; more than any two owners need to hand a body over.
   static constexpr std::int64_t grace_ticks = 32;
 
@@ -46,6 +49,7 @@ class StandIns {
     Tick since;            ///< When the present state of `vouched` began.
   };
   void put(const NewBody& body, const Entry& entry);
+  void wake_what_is_inside(std::span<const BodyId> stand_ins);
   /// A stand-in that has become a body (born or claimed here under that name) is one no more.
   void forget_bodies();
 

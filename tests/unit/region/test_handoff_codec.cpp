@@ -209,7 +209,7 @@ TEST_CASE("commands and effects come back as they were, and are refused when the
 TEST_CASE("a handoff that names one contact many times is refused before it fills the memory") {
   flatbuffers::FlatBufferBuilder builder;
   const auto id = BodyId::world(1).value;
-  const std::vector body(1, wire::HandoffBody(id, 1, 0, 0, 0, {}, {0, 0, 0, 1}, {}, {}, 0, 0));
+  const std::vector body(1, wire::HandoffBody(id, 1, 0, 0, 0, {}, {0, 0, 0, 1}, {}, {}, 0));
   const std::vector points(4,
                            wire::HandoffPoint({}, {}, {0, 1, 0}, 0, 0, 0, 0, {}, {}, 0, 0, -1, -1));
   const auto contact =

@@ -63,6 +63,18 @@ TEST_CASE("a stand-in that is gone wakes what leant on it, one that is handed ov
   REQUIRE_FALSE(handed_over.physics.is_asleep(ours));
 }
 
+TEST_CASE(
+    "who sleeps inside another server's body wakes, who has sunk into it a little sleeps on") {
+  for (const double depth : {0.05, 0.3}) {
+    Pair pair;
+    const NewBody inside = Pair::box(BodyId::world(2), 5);
+    pair.physics.add(std::span(&inside, 1));
+    const RestingNews news{RestingNews::Kind::rests, owner, Pair::box(BodyId::world(3), 6 - depth)};
+    pair.stand_ins.take(std::span(&news, 1), Tick{2});
+    REQUIRE(pair.physics.is_asleep(inside.id) == (depth < 0.1));
+  }
+}
+
 TEST_CASE("while its owner cannot be heard a stand-in stays; what is not told again then goes") {
   Pair pair;
   pair.stand_ins.tidy({}, Tick{1000});
