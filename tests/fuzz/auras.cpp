@@ -34,7 +34,6 @@ MigrationDecision decision(std::uint32_t from, std::uint32_t until, bool asks = 
                               {{double(n), 1, -1}, {0.5, 1, 2}},
                               n % 4 == 0,
                               n % 2 == 0,
-                              n % 5 == 0,
                               double(n % 7),
                               {RegionId{0}}});
   if (asks)

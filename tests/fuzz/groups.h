@@ -30,7 +30,7 @@ inline HandoffGroup a_group(std::uint32_t bodies, std::uint32_t players) {
     body.state.position = {1.0 * n, 0.5, -2};
     body.state.linear_velocity = {1, 2, 3};
     body.state.activation = static_cast<Activation>(n % 3);
-    group.bodies.push_back({body, 4 + n, 7, 9});
+    group.bodies.push_back({body, 4 + n, 7});
     ContactPoint point;
     point.impulse = 0.75f;
     point.age_steps = 9;

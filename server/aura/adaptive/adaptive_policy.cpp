@@ -82,7 +82,8 @@ class AdaptivePolicy final : public MigrationPolicy {
       if (!body) continue;
       // Who asks does not see all of the cluster: it may reach where it would be fetched on to.
       const Clusters::Number cluster = clusters_.of(*body);
-      send(s, cluster, std::min(request.to, lowest_around(s, cluster, {})), leaving);
+      const RegionId lowest = lowest_around(s, cluster, {});
+      send(s, cluster, lowest < s.self ? std::min(request.to, lowest) : request.to, leaving);
     }
   }
 

@@ -40,16 +40,19 @@ bool Homecoming::is_away(std::uint32_t body) const {
 /// Where everything that moves may be within the next second if nothing turns it.
 void Homecoming::find_threats() {
   threats_.clear();
+  threat_bodies_.clear();
   for (std::uint32_t i = 0; i < situation_->hosted.size(); ++i) {
     if (outlook_->rests(i)) continue;
     threats_.push_back(outlook_->aura(i));
     if (outlook_->moves(i)) threats_.push_back(flight_aura(situation_->hosted[i], clear_flight_s));
+    threat_bodies_.resize(threats_.size(), i);
   }
   for (const RemoteAura& aura : situation_->remote) {
     if (aura.resting) continue;
     threats_.push_back(aura.box);
     threats_.back().half.array() += aura.speed_mps * clear_flight_s;
   }
+  threat_bodies_.resize(threats_.size(), others_body);
   threat_grid_.build(threats_);
   calm_.assign(situation_->hosted.size(), Calm::unknown);
   threats_known_ = true;
@@ -120,7 +123,12 @@ std::set<Clusters::Number> Homecoming::island_of(std::uint32_t body) {
 
 /// Whether nothing of the island that moves will soon meet bodies that stay here, or that move, or
 /// of servers other than `home`.
-bool Homecoming::flies_clear(const std::set<Clusters::Number>& island, RegionId home) const {
+bool Homecoming::flies_clear(const std::set<Clusters::Number>& island, RegionId home) {
+  if (!threats_known_) find_threats();
+  const auto stays_here = [&](std::uint32_t body) {
+    const auto cluster = clusters_->known(body);
+    return !cluster || !island.contains(*cluster);
+  };
   std::vector<std::uint32_t> found;
   for (const Clusters::Number number : island)
     for (std::uint32_t member : clusters_->members(number)) {
@@ -128,9 +136,13 @@ bool Homecoming::flies_clear(const std::set<Clusters::Number>& island, RegionId 
       const AuraBox way = flight_aura(situation_->hosted[member], clear_flight_s);
       found.clear();
       outlook_->grid().find(way, found);
-      for (std::uint32_t other : found) {
-        const auto cluster = clusters_->known(other);
-        if (!cluster || !island.contains(*cluster)) return false;
+      for (std::uint32_t other : found)
+        if (stays_here(other)) return false;
+      found.clear();
+      threat_grid_.find(way, found);
+      for (std::uint32_t threat : found) {
+        const std::uint32_t other = threat_bodies_[threat];
+        if (other == others_body || stays_here(other)) return false;
       }
       found.clear();
       outlook_->remote_grid().find(way, found);

@@ -40,7 +40,7 @@ class Homecoming {
   void find_threats();
   bool may_leave(std::uint32_t body, bool contested);
   std::set<Clusters::Number> island_of(std::uint32_t body);
-  bool flies_clear(const std::set<Clusters::Number>& island, RegionId home) const;
+  bool flies_clear(const std::set<Clusters::Number>& island, RegionId home);
 
   const MigrationSituation* situation_ = nullptr;  ///< Within islands().
   const Outlook* outlook_ = nullptr;
@@ -49,6 +49,8 @@ class Homecoming {
   std::unordered_map<BodyId, Tick> unrest_;  ///< When each body last moved or expected a blow.
   OverlapGrid threat_grid_;                  ///< Built when asked for.
   std::vector<AuraBox> threats_;
+  std::vector<std::uint32_t> threat_bodies_;  ///< Whose threat it is; others_body: a remote one's.
+  static constexpr std::uint32_t others_body = static_cast<std::uint32_t>(-1);
   bool threats_known_ = false;
   enum class Calm : std::uint8_t { unknown, calm, threatened };
   std::vector<Calm> calm_;  ///< Of each resting body that was asked for in this tick.
