@@ -233,11 +233,13 @@ void Simulation::judge_rest() {
     if (!server.runs()) continue;
     const PhysicsWorld& physics = server.core().physics();
     const Rectangle& home = map_.area(server.self());
+    const auto stirs = static_cast<std::uint64_t>(std::count_if(
+        physics.ids().begin(), physics.ids().end(),
+        [&](BodyId id) { return id.kind() != BodyId::Kind::avatar && !physics.is_asleep(id); }));
+    result_.awake_at_end += stirs;
+    // A heap that a player stands in creeps for a minute; what lies beside it waits.
+    if (stirs > 0) continue;
     for (BodyId id : physics.ids()) {
-      if (!physics.is_asleep(id)) {
-        ++result_.awake_at_end;
-        continue;
-      }
       const WorldPosition at = physics.position(id);
       const double away = home.distance(at.x, at.z);
       if (scenario_.world.mode != MigrationMode::adaptive || away <= home_hysteresis_allowed_m)
