@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
   aureole::add_status(app, exit_code);
   aureole::add_bench(app, exit_code);
   aureole::add_simulate(app, exit_code);
+  aureole::add_experiment(app, exit_code);
 
   if (argc == 1) {
     fmt::print("{}", app.help());

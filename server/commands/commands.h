@@ -19,6 +19,7 @@ void add_gateway(CLI::App& app, int& exit_code);
 void add_status(CLI::App& app, int& exit_code);
 void add_bench(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
+void add_experiment(CLI::App& app, int& exit_code);
 
 inline constexpr int exit_ok = 0;
 inline constexpr int exit_failed = 1;

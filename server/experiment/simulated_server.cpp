@@ -17,16 +17,19 @@ constexpr Micros phase_us_max = 1000;
 
 }  // namespace
 
-SimulatedServer::SimulatedServer(const WorldDefinition& world, RegionId self, std::uint64_t seed)
-    : world_(world), self_(self), incarnation_(0), random_(seed, 100 + self.value) {
-  phase_us_ = random_.below(static_cast<int>(phase_us_max));
+SimulatedServer::SimulatedServer(const WorldDefinition& world, RegionId self, std::uint64_t seed,
+                                 SimulatedPace pace)
+    : world_(world), self_(self), incarnation_(0), random_(seed, 100 + self.value), pace_(pace) {
+  if (!pace_.even) phase_us_ = random_.below(static_cast<int>(phase_us_max));
+  if (pace_.clock != nullptr) profile_ = std::make_unique<StepProfile>(pace_.clock);
 }
 
 void SimulatedServer::start(SimulatedNetwork& network, Micros now) {
   const bool again = incarnation_.value > 0;
   incarnation_ = Incarnation{incarnation_.value + 1};
   core_ = std::make_unique<RegionCore>(world_, self_, incarnation_);
-  core_->enable_snapshots();
+  if (pace_.snapshots) core_->enable_snapshots();
+  core_->profile_steps(profile_.get());
   if (again) {
     const std::span<const std::byte> snapshot =
         disk_.written ? std::span<const std::byte>(*disk_.written) : std::span<const std::byte>();
@@ -65,6 +68,7 @@ double SimulatedServer::draw_frame_ms(Micros at) {
 
 void SimulatedServer::wake(SimulatedNetwork& network, Micros now, const Observer& observer) {
   AUREOLE_CHECK(core_ != nullptr, "only what runs wakes");
+  if (profile_) profile_->clear();
   take_deliveries(network, now);
   Micros at = now;
   int steps = 0;
@@ -83,7 +87,9 @@ void SimulatedServer::wake(SimulatedNetwork& network, Micros now, const Observer
 
 void SimulatedServer::take_deliveries(SimulatedNetwork& network, Micros now) {
   std::set<End> closed;
-  for (Delivery& delivery : network.take(self_.value, now)) {
+  std::vector<Delivery> deliveries = network.take(self_.value, now);
+  if (profile_) profile_->enter(StepProfile::Part::wire);
+  for (Delivery& delivery : deliveries) {
     const bool gateway = static_cast<std::size_t>(delivery.from) == world_.regions.size();
     const PeerId peer =
         gateway ? PeerId::gateway(0) : PeerId{static_cast<std::uint16_t>(delivery.from)};
@@ -111,6 +117,9 @@ void SimulatedServer::take_deliveries(SimulatedNetwork& network, Micros now) {
       }
     }
   }
+  // Frames that have been taken are given back in the server's own time.
+  deliveries.clear();
+  if (profile_) profile_->stop();
 }
 
 void SimulatedServer::step(SimulatedNetwork& network, Micros at, const Observer& observer) {
@@ -119,8 +128,10 @@ void SimulatedServer::step(SimulatedNetwork& network, Micros at, const Observer&
   measured.last_frame_ms = last_frame_ms_;
   measured.skipped_ticks = skipped_ticks_;
   core_->step(next_tick_, measured);
-  last_frame_ms_ = draw_frame_ms(at);
-  step_ended_us_ = at + static_cast<Micros>(last_frame_ms_ * 1000);
+  if (profile_) profile_->stop();
+  last_frame_ms_ = pace_.even ? 0 : draw_frame_ms(at);
+  // Not at once: a server that steps later at the same moment must not hear of it.
+  step_ended_us_ = at + std::max<Micros>(1, static_cast<Micros>(last_frame_ms_ * 1000));
   for (const Outgoing& out : core_->outbox()) {
     const End to = out.to.is_region() ? out.to.value : static_cast<End>(world_.regions.size());
     network.send(self_.value, to, out.frame, step_ended_us_);

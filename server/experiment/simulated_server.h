@@ -11,6 +11,16 @@
 
 namespace aureole {
 
+/// How a simulated process keeps time.
+struct SimulatedPace {
+  /// Steps are taken at their tick's time and are over at once; otherwise they are drawn, as late
+  /// and as long as tolerances allow.
+  bool even = false;
+  bool snapshots = true;
+  /// Null: steps are not profiled.
+  StepProfile::Clock clock = nullptr;
+};
+
 /// Does what server/net/region_server.cpp does, without sockets and clocks: at most two steps in
 /// the time of one when it is behind, and past 8 ticks it leaves ticks out.
 class SimulatedServer {
@@ -23,7 +33,8 @@ class SimulatedServer {
   /// Called after each step, while the outbox is still there.
   using Observer = std::function<void(SimulatedServer&, const Step&)>;
 
-  SimulatedServer(const WorldDefinition& world, RegionId self, std::uint64_t seed);
+  SimulatedServer(const WorldDefinition& world, RegionId self, std::uint64_t seed,
+                  SimulatedPace pace = {});
 
   void start(SimulatedNetwork& network, Micros now);
   /// kill -9: everything but the disk is gone.
@@ -45,6 +56,8 @@ class SimulatedServer {
   std::uint64_t skipped_ticks() const { return skipped_ticks_; }
   /// What the core refused and why: honest peers are never refused.
   const std::vector<std::string>& refusals() const { return refusals_; }
+  /// What was spent since it woke last, without the network; null unless steps are profiled.
+  const StepProfile* profile() const { return profile_.get(); }
 
  private:
   void step(SimulatedNetwork& network, Micros at, const Observer& observer);
@@ -68,6 +81,8 @@ class SimulatedServer {
   double slow_frame_ms_ = 0;
   Micros slow_until_us_ = 0;
   std::uint64_t skipped_ticks_ = 0;
+  SimulatedPace pace_;
+  std::unique_ptr<StepProfile> profile_;
   struct Disk {
     std::shared_ptr<const Bytes> written;  ///< What survives.
     std::shared_ptr<const Bytes> writing;  ///< Complete one step later.

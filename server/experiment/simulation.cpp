@@ -49,7 +49,7 @@ Simulation::Simulation(Scenario scenario, const SimulationOptions& options)
   events_ = struck_;
   servers_.reserve(scenario_.world.regions.size());
   for (std::uint16_t r = 0; r < regions; ++r)
-    servers_.emplace_back(scenario_.world, RegionId{r}, options.scenario.seed);
+    servers_.emplace_back(scenario_.world, RegionId{r}, options.scenario.seed, options.pace);
   for (SimulatedServer& server : servers_) server.start(network_, 0);
   gateway_.start(network_, 0);
   result_.seed = options.scenario.seed;
@@ -160,6 +160,7 @@ bool Simulation::players_act(Micros now) const {
 }
 
 void Simulation::after_step(SimulatedServer& server, const SimulatedServer::Step& step) {
+  if (!options_.judged) return;
   const RegionId self = server.self();
   const RegionCore& core = server.core();
   const std::vector<Departure> departures = ownership_.stepped(server, step.tick);
@@ -197,6 +198,7 @@ void Simulation::note_tolerances(Micros now) {
 
 void Simulation::look() {
   ++result_.ticks;
+  if (!options_.judged) return;
   note_tolerances((now_.value + 1) * tick_us - 1);
   ownership_.look(now_, servers_, all_run());
   const Tick seen_tick = now_ - WorldView::delay_ticks;

@@ -26,6 +26,9 @@ struct SimulationOptions {
   ScenarioOptions scenario;
   NetworkTiming network{2000, 1000};
   FaultKinds faults = FaultKinds::none;
+  SimulatedPace pace;
+  /// Without it nobody looks at the run: no oracles, no hash. What happens is the same.
+  bool judged = true;
 };
 
 /// Runs a scenario to its end. Deterministic: the same options give the same hash.
@@ -50,6 +53,7 @@ class Simulation {
   const InteractionOracle& interactions() const { return interactions_; }
   const OwnershipOracle& ownership() const { return ownership_; }
   const std::vector<SeenBody>& seen() const { return seen_; }
+  const SimulatedGateway& gateway() const { return gateway_; }
   /// kill -9; it starts again after that time, or never.
   void kill(End who, bool lose_disk, std::optional<Micros> back_after_us);
   /// Judges the end and reports.

@@ -30,6 +30,7 @@
 #include "server/region/recovery/traces.h"
 #include "server/region/stand_ins/stand_in_watch.h"
 #include "server/region/stand_ins/stand_ins.h"
+#include "server/region/step_profile.h"
 #include "server/region/tolerances.h"
 #include "server/worlds/world.h"
 
@@ -110,6 +111,10 @@ class RegionCore {
   /// Who has not answered yet, for people; empty unless recovering.
   std::vector<std::string> recovery_waits_for() const;
 
+  /// From now on steps tell `profile` which part they are in; null: nobody asks, and no clock is
+  /// read. It must outlive the core or the next call.
+  void profile_steps(StepProfile* profile) { profile_ = profile; }
+
   /// What the last step wants sent, in order. Valid until the next step.
   std::span<const Outgoing> outbox() const { return outbox_; }
 
@@ -149,6 +154,9 @@ class RegionCore {
     HandoffGroup group;
   };
 
+  void enter(StepProfile::Part part) {
+    if (profile_ != nullptr) profile_->enter(part);
+  }
   void take_in(Tick now);
   void take_in_groups(Tick now);
   void take_in_effects(Tick now);
@@ -228,6 +236,7 @@ class RegionCore {
   Tolerances tolerances_;
   FastestBody fastest_;     ///< Of the last step.
   RegionStatistics extra_;  ///< Only the counts that nobody else keeps.
+  StepProfile* profile_ = nullptr;
 };
 
 }  // namespace aureole

@@ -136,6 +136,7 @@ void RegionCore::migrate(Tick now) {
   const MigrationDecision decision = policy_->decide(
       {now, self_, map_, hosted, aura_exchange_.remote(), handover_requests_, linked, &contacts});
   handover_requests_.clear();
+  enter(StepProfile::Part::aura);
   for (const Migration& migration : decision.leaving)
     handed_over_.insert(migration.bodies.begin(), migration.bodies.end());
   aura_exchange_.announce(now, decision, ProjectedBodies(hosting_, handed_over_));
@@ -143,6 +144,7 @@ void RegionCore::migrate(Tick now) {
   const Hosting::Counts& c = hosting_.counts();
   changes_at_decision_ = c.spawned + c.removed + c.migrations_in + c.migrations_out;
   last_decision_ = now;
+  enter(StepProfile::Part::wire);
   for (const Migration& migration : decision.leaving) {
     std::span<const BodyId> rest(migration.bodies);
     while (!rest.empty()) {

@@ -41,6 +41,7 @@ void RegionCore::step(Tick now, const ShellMeasurements& measured) {
   // A region that was held up leaves ticks out; its bodies are then where they were at the last
   // one, which is the present as far as arriving groups are concerned.
   take_in(now);
+  enter(StepProfile::Part::physics);
   spawn(now);
   apply_blasts(now);
   players_.drive(now, has_room(1), player_output_);
@@ -48,13 +49,18 @@ void RegionCore::step(Tick now, const ShellMeasurements& measured) {
   closed.before_step(hosting_.physics(), tick_s);
   hosting_.physics().step(tick_s);
   closed.after_step(hosting_.physics());
+  enter(StepProfile::Part::aura);
   watch_stand_ins(now);
+  enter(StepProfile::Part::physics);
   remove_strays(now);
+  enter(StepProfile::Part::wire);
   // Gateways hear of this step from the server that took it, also of bodies that leave now: their
   // new owner speaks of the next step first, and without this one they would be seen to falter.
   const SharedBytes update =
       hosting_.publisher().update(now, hosting_.physics(), players_.avatars());
+  enter(StepProfile::Part::decide);
   migrate(now);
+  enter(StepProfile::Part::wire);
   send_player_output();
   note_traces(now);
   tolerances_.step(now, measured.last_frame_ms, fastest_);
@@ -65,9 +71,11 @@ void RegionCore::step(Tick now, const ShellMeasurements& measured) {
 }
 
 void RegionCore::take_in(Tick now) {
+  enter(StepProfile::Part::wire);
   take_in_groups(now);
   take_in_effects(now);
   take_in_commands(now);
+  enter(StepProfile::Part::aura);
   handover_requests_ = aura_exchange_.take_in();
   stand_ins_.take(aura_exchange_.take_resting_news(), now);
   stand_ins_.tidy(aura_exchange_.remote(), now);

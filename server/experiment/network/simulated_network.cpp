@@ -124,6 +124,9 @@ void SimulatedNetwork::send(End from, End to, SharedBytes frame, Micros now) {
     ++frames_lost_;
     return;
   }
+  Traffic& traffic = channel(from, to).traffic;
+  ++traffic.messages;
+  traffic.bytes += frame->size();
   Item item;
   item.what.kind = Delivery::Kind::frame;
   item.what.frame = std::move(frame);

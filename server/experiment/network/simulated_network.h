@@ -67,6 +67,12 @@ class SimulatedNetwork {
   bool is_disturbed(End a, End b, Micros now, Micros limit_us) const;
   std::uint64_t frames_lost() const { return frames_lost_; }
 
+  /// Frames that were given to a link since the start.
+  struct Traffic {
+    std::uint64_t messages = 0, bytes = 0;
+  };
+  const Traffic& traffic(End from, End to) const { return channel(from, to).traffic; }
+
  private:
   struct Item {
     Delivery what;
@@ -85,6 +91,7 @@ class SimulatedNetwork {
     std::uint64_t known_generation = 0;  ///< Of the link, as its sending end knows it; 0: none.
     Micros late_at_us = -1;              ///< When something last arrived later than undisturbed.
     Ping ping;
+    Traffic traffic;
   };
   struct Link {
     std::uint64_t generation = 1;

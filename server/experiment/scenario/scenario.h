@@ -32,6 +32,10 @@ struct Scenario {
 Result<Scenario> make_scenario(const ScenarioOptions& options);
 
 bool is_layout(std::string_view name);
+/// Equal squares around the origin, row by row; the outermost ones have no end.
+std::vector<RegionDefinition> grid_of_regions(int columns, int rows, double region_m);
+/// Fig. 6: two squares above, one of both widths below; they meet at a T.
+std::vector<RegionDefinition> three_at_a_corner(double region_m);
 /// The empty world of a built-in layout: ground, prototypes, regions of 32 m, one spawn point.
 WorldDefinition layout_world(std::string_view name);
 

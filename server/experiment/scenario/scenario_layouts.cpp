@@ -9,7 +9,7 @@ namespace aureole {
 namespace {
 
 /// Of one region (m): far wider than four aura radii, small enough that bodies get about.
-constexpr double region_m = 32;
+constexpr double layout_region_m = 32;
 
 Prototype prototype(std::string name, Shape shape, float mass_kg) {
   Prototype p;
@@ -19,7 +19,9 @@ Prototype prototype(std::string name, Shape shape, float mass_kg) {
   return p;
 }
 
-std::vector<RegionDefinition> grid_of(int columns, int rows) {
+}  // namespace
+
+std::vector<RegionDefinition> grid_of_regions(int columns, int rows, double region_m) {
   std::vector<RegionDefinition> regions;
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
@@ -36,14 +38,12 @@ std::vector<RegionDefinition> grid_of(int columns, int rows) {
 }
 
 /// Fig. 6: two above, one wide below; they meet at a T.
-std::vector<RegionDefinition> three_at_a_corner() {
-  auto regions = grid_of(2, 2);
+std::vector<RegionDefinition> three_at_a_corner(double region_m) {
+  auto regions = grid_of_regions(2, 2, region_m);
   regions.pop_back();
   regions[2].area.max_x = std::numeric_limits<double>::infinity();
   return regions;
 }
-
-}  // namespace
 
 bool is_layout(std::string_view name) {
   return name == "column4" || name == "corner3" || name == "corner4" || name == "corner9";
@@ -52,10 +52,10 @@ bool is_layout(std::string_view name) {
 WorldDefinition layout_world(std::string_view name) {
   WorldDefinition world;
   world.name = std::string(name);
-  if (name == "column4") world.regions = grid_of(4, 1);
-  if (name == "corner3") world.regions = three_at_a_corner();
-  if (name == "corner4") world.regions = grid_of(2, 2);
-  if (name == "corner9") world.regions = grid_of(3, 3);
+  if (name == "column4") world.regions = grid_of_regions(4, 1, layout_region_m);
+  if (name == "corner3") world.regions = three_at_a_corner(layout_region_m);
+  if (name == "corner4") world.regions = grid_of_regions(2, 2, layout_region_m);
+  if (name == "corner9") world.regions = grid_of_regions(3, 3, layout_region_m);
   // A heap of 300 comes to rest within 18 s of a run that pours for 7 s (half a minute with the
   // speeds that worlds have by default, measured), so that the end of a run can be judged.
   world.physics.sleep_linear_speed = 0.4f;

@@ -1,0 +1,157 @@
+// `aureole experiment`: the paper's workload on columns or corners, with what every frame took.
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "server/commands/commands.h"
+#include "server/measure/experiment.h"
+
+namespace aureole {
+namespace {
+
+struct Options {
+  ExperimentOptions experiment;
+  std::string json;
+};
+
+/// A line on stderr: rewritten in place on a terminal, every 10 s elsewhere.
+class Progress {
+ public:
+  void show(const std::string& what) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - shown_ < (terminal_ ? std::chrono::milliseconds(500) : std::chrono::seconds(10)))
+      return;
+    shown_ = now;
+    fmt::print(stderr, "{}{}{}", terminal_ ? "\r\x1b[K" : "", what, terminal_ ? "" : "\n");
+    std::fflush(stderr);
+  }
+  void end() const {
+    if (terminal_) fmt::print(stderr, "\r\x1b[K");
+  }
+
+ private:
+  bool terminal_ = ::isatty(STDERR_FILENO) == 1;
+  std::chrono::steady_clock::time_point shown_ = std::chrono::steady_clock::now();
+};
+
+std::string in_cell(const nlohmann::json& value, int digits) {
+  return value.is_null() ? "–" : fmt::format("{:.{}f}", value.get<double>(), digits);
+}
+
+std::uint64_t sum_of(const nlohmann::json& values) {
+  std::uint64_t sum = 0;
+  for (const auto& value : values) sum += value.get<std::uint64_t>();
+  return sum;
+}
+
+void print_row(const nlohmann::json& row) {
+  const nlohmann::json& split = row["split"];
+  const nlohmann::json& missed = row["missed_interactions_in_tolerance"];
+  fmt::print(
+      "{:>5.0f} {:>8.2f} {:>8.2f} {:>8.2f} | {:>8.2f} {:>6.3f} {:>6.3f} {:>6.3f} | {:>7} {:>6} "
+      "{:>6} {:>7.4f} {:>6} | {:>7} {:>6} {:>6}\n",
+      row["t_end_s"].get<double>(), row["worst_server_ms"].get<double>(),
+      row["max_frame_ms"].get<double>(), row["p99_frame_ms"].get<double>(),
+      split["physics"].get<double>(), split["aura"].get<double>(), split["decide"].get<double>(),
+      split["wire"].get<double>(), sum_of(row["bodies"]), sum_of(row["awake"]),
+      row["migrations"].get<std::uint64_t>(), row["foreign_hosted_share"].get<double>(),
+      missed.is_null() ? "–" : missed.dump(), in_cell(row["speedup"], 2),
+      in_cell(row["efficiency"], 3), in_cell(row["efficiency_ideal"], 3));
+}
+
+void print_report(const nlohmann::json& report) {
+  fmt::print(
+      "Thread CPU time of frames (ms); the split is that of the busiest server; missed: in "
+      "tolerance.\n"
+      "{:>5} {:>8} {:>8} {:>8} | {:>8} {:>6} {:>6} {:>6} | {:>7} {:>6} {:>6} {:>7} {:>6} | {:>7} "
+      "{:>6} {:>6}\n",
+      "t, s", "worst", "max", "p99", "physics", "aura", "decide", "wire", "bodies", "awake",
+      "moved", "foreign", "missed", "speedup", "/ cut", "/ideal");
+  for (const auto& row : report["buckets"]) print_row(row);
+  const auto& last = report["last_10_s"];
+  fmt::print(
+      "Last 10 s: {:.2f} ms, {:.1f} % of it besides physics; speedup {}, efficiency {}, against "
+      "ideal {}\n",
+      last["worst_server_ms"].get<double>(), last["share_besides_physics"].get<double>() * 100,
+      in_cell(last["speedup"], 2), in_cell(last["efficiency"], 3),
+      in_cell(last["efficiency_ideal"], 3));
+  for (const auto& violation : report["violations"])
+    fmt::print("  {}\n", violation.get<std::string>());
+}
+
+int run(const Options& o) {
+  if (o.experiment.jitter_ms > o.experiment.latency_ms)
+    return complain(exit_usage,
+                    "--jitter-ms must not be more than --latency-ms, of which it is a part");
+  if (auto world = workload_world(o.experiment.workload); !world)
+    return complain(exit_usage, world.error().message);
+  std::ofstream file;
+  if (!o.json.empty()) {
+    // Before minutes are spent on what could not be written.
+    file.open(o.json);
+    if (!file) return complain(exit_failed, fmt::format("cannot write {}", o.json));
+  }
+  Progress progress;
+  const auto report =
+      run_experiment(o.experiment, [&](const std::string& what) { progress.show(what); });
+  progress.end();
+  if (!report) return complain(exit_failed, report.error().message);
+  print_report(*report);
+  if (o.json.empty()) return exit_ok;
+  file << report->dump(2) << '\n';
+  file.close();
+  if (!file) return complain(exit_failed, fmt::format("cannot write {}", o.json));
+  return exit_ok;
+}
+
+}  // namespace
+
+void add_experiment(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand(
+      "experiment",
+      "Runs the workload of the paper's experiments in virtual time, and measures what every\n"
+      "server's frame takes.");
+  const auto o = std::make_shared<Options>();
+  ExperimentOptions& e = o->experiment;
+  command
+      ->add_option("layout", e.workload.layout, "column (1 to 10 servers) or corner (1, 3, 4, 9)")
+      ->required()
+      ->check(CLI::IsMember({"column", "corner"}));
+  command->add_option("--servers", e.workload.servers, "How many regions")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 10));
+  command
+      ->add_option("--mode", e.mode,
+                   "naive, paper, adaptive: servers that talk, beside single, cut and ideal;\n"
+                   "single: one server for everything; ideal: worlds that do not talk;\n"
+                   "cut: bodies are handed over at the boundary at once and for free")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"single", "naive", "paper", "adaptive", "ideal", "cut"}));
+  command->add_option("--seconds", e.workload.seconds, "World time; bodies come all the while")
+      ->capture_default_str()
+      ->check(CLI::Range(0.5, 3600.0));
+  command->add_option("--rate", e.workload.rate_per_s, "Bodies a second")
+      ->capture_default_str()
+      ->check(CLI::Range(1.0, 10'000.0));
+  command->add_option("--seed", e.workload.seed, "Of bodies and network")->capture_default_str();
+  command->add_option("--repeat", e.repeats, "Runs of the same, for the mean of their maxima")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100));
+  command->add_option("--latency-ms", e.latency_ms, "Longest time of a message")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1000.0));
+  command->add_option("--jitter-ms", e.jitter_ms, "It takes this much less at most")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1000.0));
+  command->add_flag("--single,!--no-single", e.with_single,
+                    "Also run everything on one server, for the speedup (on by default)");
+  command->add_option("--json", o->json, "Write all figures to this file");
+  command->callback([o, &exit_code] { exit_code = run(*o); });
+}
+
+}  // namespace aureole

@@ -1,0 +1,34 @@
+// The paper's experiments (section 5): one layout, one mode, and the limits it is measured against.
+#pragma once
+
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "server/measure/run_record.h"
+#include "server/measure/workload.h"
+
+namespace aureole {
+
+struct ExperimentOptions {
+  WorkloadOptions workload;
+  /// "naive", "paper", "adaptive": region servers that talk. "single": one server for everything.
+  /// "ideal": worlds that do not talk. "cut": worlds that hand bodies over at no cost.
+  std::string mode = "adaptive";
+  int repeats = 1;
+  double latency_ms = 2;  ///< Longest, one way.
+  double jitter_ms = 1;   ///< It is this much less at most.
+  /// Whether modes of servers that talk are also run as `single`, for the speedup.
+  bool with_single = true;
+};
+
+/// Runs the experiment in this thread. `progress` hears a sentence now and then. The repeats of a
+/// run differ in their times only.
+///
+/// A mode of servers that talk runs side by side with `single`, `cut` and `ideal`, each a quarter
+/// of a second at a time, in an order that changes: what slows the machine down slows all of them
+/// down. Errors: a layout that does not exist; a run that did not repeat itself (a defect).
+Result<nlohmann::json> run_experiment(const ExperimentOptions& options,
+                                      const std::function<void(const std::string&)>& progress);
+
+}  // namespace aureole

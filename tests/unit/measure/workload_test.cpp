@@ -1,0 +1,121 @@
+// Where the paper's bodies come into which regions.
+#include "server/measure/workload.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "server/experiment/scenario.h"
+#include "server/worlds/injector.h"
+#include "tests/support/catch.h"
+
+using namespace aureole;
+
+namespace {
+
+WorldDefinition world_of(const std::string& layout, int servers) {
+  WorkloadOptions options;
+  options.layout = layout;
+  options.servers = servers;
+  auto world = workload_world(options);
+  REQUIRE(world);
+  return *world;
+}
+
+bool beside_boundary(const Injector& injector) {
+  return injector.name.starts_with("boundary");
+}
+
+}  // namespace
+
+TEST_CASE("every layout has two volumes for each piece of boundary and one for each centre") {
+  const std::map<std::pair<std::string, int>, std::pair<int, int>> expected = {
+      {{"column", 2}, {2, 2}}, {{"column", 10}, {18, 10}}, {{"corner", 3}, {6, 3}},
+      {{"corner", 4}, {8, 4}}, {{"corner", 9}, {24, 9}},   {{"column", 1}, {1, 1}},
+      {{"corner", 1}, {1, 1}}};
+  for (const auto& [layout, volumes] : expected) {
+    CAPTURE(layout.first, layout.second);
+    const WorldDefinition world = world_of(layout.first, layout.second);
+    CHECK(static_cast<int>(world.regions.size()) == layout.second);
+    const auto beside =
+        std::count_if(world.injectors.begin(), world.injectors.end(), beside_boundary);
+    CHECK(beside == volumes.first);
+    CHECK(static_cast<int>(world.injectors.size()) - beside == volumes.second);
+  }
+}
+
+TEST_CASE("volumes are 12 m from their boundary or at a centre, 15 m up, and inside one region") {
+  for (const auto& [layout, servers] :
+       {std::pair("column", 4), std::pair("corner", 3), std::pair("corner", 9)}) {
+    CAPTURE(layout, servers);
+    const WorldDefinition world = world_of(layout, servers);
+    const PartitionMap map = partition_of(world);
+    for (const Injector& injector : world.injectors) {
+      CAPTURE(injector.name);
+      const Eigen::Vector3d size = injector.volume.max - injector.volume.min;
+      const Eigen::Vector3d centre = (injector.volume.max + injector.volume.min) / 2;
+      CHECK(centre.y() == Approx(15));
+      CHECK(size.y() == Approx(20));
+      const double wide = std::min(size.x(), size.z()), along = std::max(size.x(), size.z());
+      CHECK(wide == Approx(20));
+      CHECK(along == Approx(beside_boundary(injector) ? 150 : 20));
+      constexpr double inside = 0.001;
+      CHECK(map.region_at(injector.volume.min.x() + inside, injector.volume.min.z() + inside) ==
+            map.region_at(injector.volume.max.x() - inside, injector.volume.max.z() - inside));
+      double nearest_m = 1e9;
+      for (const BoundarySegment& s : map.boundaries()) {
+        const double x = std::clamp(centre.x(), s.from_x, s.to_x);
+        const double z = std::clamp(centre.z(), s.from_z, s.to_z);
+        nearest_m = std::min(nearest_m, std::hypot(centre.x() - x, centre.z() - z));
+      }
+      CHECK(nearest_m == Approx(beside_boundary(injector) ? 12 : 75));
+    }
+  }
+}
+
+TEST_CASE("160 bodies come each second, half of them beside boundaries, never many in one tick") {
+  const WorldDefinition world = world_of("column", 10);
+  const auto made_by = [&](Tick tick) {
+    std::pair<std::uint64_t, std::uint64_t> made{0, 0};
+    for (const Injector& injector : world.injectors)
+      (beside_boundary(injector) ? made.first : made.second) += injected_count(injector, tick);
+    return made;
+  };
+  std::uint64_t before = made_by(Tick{0}).first + made_by(Tick{0}).second;
+  for (Tick tick{1}; tick <= Tick{3750}; tick = tick + 1) {
+    const auto [beside, at_centres] = made_by(tick);
+    REQUIRE(beside + at_centres - before <= 4);
+    before = beside + at_centres;
+  }
+  CHECK(made_by(Tick{3750}).first == Approx(4800).margin(18));
+  CHECK(made_by(Tick{3750}).second == Approx(4800).margin(10));
+  CHECK(made_by(Tick{5000}) == made_by(Tick{3750}));
+}
+
+TEST_CASE("the world in one region has the same injectors") {
+  const WorldDefinition cut = world_of("corner", 4), whole = in_one_region(cut);
+  CHECK(whole.regions.size() == 1);
+  CHECK(whole.regions.front().area.contains(-1e6, 1e6));
+  REQUIRE(whole.injectors.size() == cut.injectors.size());
+  for (std::size_t i = 0; i < cut.injectors.size(); ++i) {
+    const InjectedBody a = injected_body(cut.injectors[i], 7),
+                       b = injected_body(whole.injectors[i], 7);
+    CHECK(a.state.position == b.state.position);
+    CHECK(a.state.linear_velocity == b.state.linear_velocity);
+    CHECK(a.prototype == b.prototype);
+  }
+}
+
+TEST_CASE("layouts that the paper does not have are refused in a sentence") {
+  WorkloadOptions options;
+  options.layout = "corner";
+  options.servers = 5;
+  auto world = workload_world(options);
+  REQUIRE_FALSE(world);
+  CHECK(world.error().message == "corners are measured on 1, 3, 4 or 9 servers, not on 5");
+  options.layout = "column";
+  options.servers = 11;
+  world = workload_world(options);
+  REQUIRE_FALSE(world);
+  CHECK(world.error().message == "columns are measured on 1 to 10 servers, not on 11");
+}
