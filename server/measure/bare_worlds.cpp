@@ -4,7 +4,7 @@
 #include <map>
 
 #include "server/base/hash.h"
-#include "server/experiment/scenario.h"
+#include "server/experiment/scenario/scenario.h"
 #include "server/worlds/injector.h"
 
 namespace aureole {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "server/experiment/random.h"
-#include "server/experiment/scenario.h"
+#include "server/experiment/scenario/scenario.h"
 
 namespace aureole {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "server/experiment/scenario.h"
+#include "server/experiment/scenario/scenario.h"
 #include "server/worlds/injector.h"
 #include "tests/support/catch.h"
 
