@@ -79,6 +79,9 @@ void StandIns::take(std::span<const RestingNews> news, Tick now) {
       physics_.remove_stand_ins(std::span(&id, 1), Wake::touching);
     }
   }
+  // Told, taken back and told again within one step it would be here twice.
+  std::sort(fresh.begin(), fresh.end());
+  fresh.erase(std::unique(fresh.begin(), fresh.end()), fresh.end());
   std::erase_if(fresh, [&](BodyId id) { return !physics_.is_stand_in(id); });
   if (!fresh.empty()) wake_what_is_inside(fresh);
 }
