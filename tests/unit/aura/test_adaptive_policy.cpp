@@ -169,6 +169,18 @@ TEST_CASE("who has just changed its owner goes at once as far as it may have to"
   REQUIRE(scene.decide().leaving[0].to == RegionId{1});
 }
 
+TEST_CASE("whoever hosts something on the way of what moves here is told of it") {
+  Scene scene;
+  scene.map = columns(3);
+  scene.self = 1;
+  scene.hosted = {awake_at(0, 13)};
+  scene.hosted[0].surface_speed_mps = 3;
+  scene.remote = {aura(1, 2, true, 15)};
+  REQUIRE(told_of(scene.decide(), name(0)).empty());
+  scene.hosted[0].velocity_mps = {3, 0, 0};
+  REQUIRE(told_of(scene.decide(), name(0)) == regions({2}));
+}
+
 TEST_CASE("a row stays whole while something is about to strike its far end") {
   for (const double gap : {0.6, 0.8}) {
     Scene scene;
