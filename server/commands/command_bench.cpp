@@ -171,6 +171,7 @@ void add_stream(CLI::App& bench, int& exit_code) {
 void add_bench(CLI::App& app, int& exit_code) {
   CLI::App* bench = app.add_subcommand("bench", "Measures what things cost on this machine.");
   bench->require_subcommand(1);
+  add_bench_scenes(*bench, exit_code);
   add_view(*bench, exit_code);
   add_stream(*bench, exit_code);
 }

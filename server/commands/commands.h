@@ -18,6 +18,8 @@ void add_region(CLI::App& app, int& exit_code);
 void add_gateway(CLI::App& app, int& exit_code);
 void add_status(CLI::App& app, int& exit_code);
 void add_bench(CLI::App& app, int& exit_code);
+/// The scenes of server/bench below `bench`.
+void add_bench_scenes(CLI::App& bench, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_experiment(CLI::App& app, int& exit_code);
 
