@@ -13,10 +13,18 @@ constexpr std::int32_t component_max = (1 << component_bits) - 2;  // even: zero
 constexpr std::int32_t component_zero = component_max / 2;
 constexpr double component_limit = 0.70710678118654752;  // 1/√2
 
+/// The nearest whole number, of two the even one, as std::nearbyint() has it, but without a call:
+/// past 2^52 doubles have no digits behind the point. Requires |value| < 2^51.
+double nearest(double value) {
+  constexpr double no_fractions = 0x1.8p52;
+  return (value + no_fractions) - no_fractions;
+}
+
 std::int32_t to_cells(double metres) {
   if (std::isnan(metres)) return 0;
-  const double cells = std::nearbyint(metres / position_grid_m);
-  return static_cast<std::int32_t>(std::clamp(cells, -double{cells_max} - 1, double{cells_max}));
+  const double cells =
+      std::clamp(metres / position_grid_m, -double{cells_max} - 1, double{cells_max});
+  return static_cast<std::int32_t>(nearest(cells));
 }
 
 /// A quaternion in codes, not packed yet.
@@ -39,9 +47,11 @@ Eigen::Vector4f unpack(const SmallestThree& q) {
   return c.cast<float>();
 }
 
+/// The first of those that are equal.
 int index_of_largest(const Eigen::Vector4f& c) {
   int largest = 0;
-  c.cwiseAbs().maxCoeff(&largest);
+  for (int i = 1; i < 4; ++i)
+    if (std::abs(c[i]) > std::abs(c[largest])) largest = i;
   return largest;
 }
 
@@ -104,7 +114,7 @@ QuantisedOrientation quantise(const Eigen::Quaternionf& orientation) {
       if (i == packed.largest) continue;
       exact[k] =
           std::clamp(coefficients[i] * scale, -double{component_zero}, double{component_zero});
-      const double rounded = std::nearbyint(exact[k]);
+      const double rounded = nearest(exact[k]);
       packed.codes[k] = component_zero + static_cast<std::int32_t>(rounded);
       squares += rounded * rounded;
       second = std::max(second, std::abs(rounded));

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
 
 #include "protocol/wire.h"
 #include "server/base/world_position.h"
@@ -27,6 +29,17 @@ inline WorldPosition from_wire(const wire::Vec3d& p) {
 }
 inline Eigen::Quaternionf from_wire(const wire::Quat& q) {
   return {q.w(), q.x(), q.y(), q.z()};
+}
+
+/// Slots of replicas travel in three bytes.
+inline constexpr std::uint32_t slot_codes = 1u << 24;
+inline std::array<std::uint8_t, 3> wire_slot(std::uint32_t slot) {
+  return {static_cast<std::uint8_t>(slot), static_cast<std::uint8_t>(slot >> 8),
+          static_cast<std::uint8_t>(slot >> 16)};
+}
+inline std::uint32_t slot_of(const wire::ReplicaMotion& motion) {
+  const std::uint8_t* bytes = motion.slot()->Data();
+  return bytes[0] | std::uint32_t{bytes[1]} << 8 | std::uint32_t{bytes[2]} << 16;
 }
 
 }  // namespace aureole

@@ -93,7 +93,9 @@ std::size_t auras_in(const std::vector<SharedBytes>& frames) {
   for (const SharedBytes& bytes : frames) {
     const Frame frame = read(bytes);
     const auto* message = verified<wire::Auras>(frame.payload);
-    if (message != nullptr && message->auras() != nullptr) sum += message->auras()->size();
+    if (message == nullptr) continue;
+    if (message->auras() != nullptr) sum += message->auras()->size();
+    if (message->moved() != nullptr) sum += message->moved()->size();
   }
   return sum;
 }

@@ -99,8 +99,9 @@ bool PhysicsWorld::is_supported(BodyId id, float min_up) const {
 
 void PhysicsWorld::step(float dt_s) {
   AUREOLE_CHECK(dt_s > 0, "a step takes time");
-  impl_->world.step(dt_s, impl_->bodies.bodies);
+  impl_->world.step(dt_s, impl_->bodies.bodies, impl_->awake);
   impl_->changed();
+  impl_->awake_is_current = true;
 }
 
 bool PhysicsWorld::contains(BodyId id) const {
@@ -112,11 +113,23 @@ std::size_t PhysicsWorld::size() const {
 }
 
 std::size_t PhysicsWorld::awake_count() const {
-  if (!impl_->awake)
-    impl_->awake = static_cast<std::size_t>(
+  if (impl_->awake_is_current) return impl_->awake.size();
+  if (!impl_->awake_count)
+    impl_->awake_count = static_cast<std::size_t>(
         std::count_if(impl_->bodies.bodies.begin(), impl_->bodies.bodies.end(),
                       [](const BulletBody* body) { return body->rigid.isActive(); }));
-  return *impl_->awake;
+  return *impl_->awake_count;
+}
+
+std::span<const NewBody> PhysicsWorld::awake() const {
+  if (!impl_->awake_is_current) {
+    impl_->awake.clear();
+    for (const BulletBody* body : impl_->bodies.bodies)
+      if (body->rigid.isActive())
+        impl_->awake.push_back({body->id, body->prototype, impl_->world.state_of(*body)});
+    impl_->awake_is_current = true;
+  }
+  return impl_->awake;
 }
 
 std::span<const BodyId> PhysicsWorld::ids() const {

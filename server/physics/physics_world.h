@@ -117,6 +117,9 @@ class PhysicsWorld {
   bool contains(BodyId id) const;
   std::size_t size() const;
   std::size_t awake_count() const;
+  /// All bodies that are awake, as they are, ascending by id. After a step it costs nothing to ask,
+  /// however many sleep. Valid until the next call that adds, removes or changes anything.
+  std::span<const NewBody> awake() const;
   /// All bodies, ascending. Valid until the next add or remove.
   std::span<const BodyId> ids() const;
   PrototypeId prototype(BodyId id) const;

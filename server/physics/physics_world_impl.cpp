@@ -101,7 +101,8 @@ void PhysicsWorld::Impl::destroy(BodyList& list, std::span<BulletBody* const> so
 }
 
 void PhysicsWorld::Impl::changed() {
-  awake.reset();
+  awake_count.reset();
+  awake_is_current = false;
   graph_is_current = false;
 }
 

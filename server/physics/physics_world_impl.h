@@ -52,7 +52,9 @@ struct PhysicsWorld::Impl {
   BodyList bodies;  ///< Obstacles too.
   BodyList stand_ins;
   mutable BulletWorld world;  ///< Bullet's queries are not const; they change nothing.
-  mutable std::optional<std::size_t> awake;
+  mutable std::optional<std::size_t> awake_count;
+  mutable bool awake_is_current = false;
+  mutable std::vector<NewBody> awake;  ///< Kept for its memory.
   mutable bool graph_is_current = false;
   mutable ContactGraph graph;
   mutable std::vector<ContactGraph::Edge> edges;  ///< Kept for their memory.

@@ -42,9 +42,9 @@ struct RestingNews {
   NewBody body;  ///< told_all: nothing of it; gone, handed_over: only the id.
 };
 
-/// An aura is sent when it is new or has changed and withdrawn when it concerns the receiver no
-/// longer; one that stays as it is costs nothing (section 3.2 of the paper). When a link ends, all
-/// that was told over it is forgotten on both sides.
+/// An aura is sent when it is new, in short when it has changed, and withdrawn when it concerns the
+/// receiver no longer; one that stays as it is costs nothing (section 3.2 of the paper). When a
+/// link ends, all that was told over it is forgotten on both sides.
 class AuraExchange {
  public:
   void link_up(RegionId peer);
@@ -78,6 +78,8 @@ class AuraExchange {
 
   /// Auras in one message at most; far more than a boundary can hold.
   static constexpr std::size_t max_auras = 65'536;
+  /// Auras that can be told in short at a time, over one link; any more are told whole.
+  static constexpr std::uint16_t no_slot = 65'535;
   /// A resting body that creeps is told anew when it is this far from where it was told (m, rad).
   static constexpr double creep_m = 0.001;
   static constexpr double creep_rad = 0.003;
@@ -93,24 +95,38 @@ class AuraExchange {
     std::uint16_t speed = 0;
     friend bool operator==(const Sent&, const Sent&) = default;
   };
-  struct Projection {
+  /// What a peer is to know after this tick.
+  struct Wanted {
+    BodyId id;
     Sent sent;
+  };
+  struct Projection {
+    BodyId id;
+    Sent sent;
+    std::uint16_t slot = no_slot;
     bool rested = false;     ///< Whether `position` and `orientation` were told.
     WorldPosition position;  ///< Where it was last said to rest.
     Eigen::Quaternionf orientation{Eigen::Quaternionf::Identity()};
   };
   struct Peer {
     bool up = false;
-    bool greeted = false;                    ///< Something was sent over this link.
-    bool heard = false;                      ///< Something was received over this link.
-    std::map<BodyId, Projection> projected;  ///< What the peer knows of us.
-    std::map<BodyId, RemoteAura> theirs;     ///< What we know of the peer.
-    std::vector<HandoverRequest> pulls;      ///< Of the newest message, until take_in().
+    bool greeted = false;               ///< Something was sent over this link.
+    bool heard = false;                 ///< Something was received over this link.
+    std::vector<Projection> projected;  ///< What the peer knows of us; ascending.
+    std::vector<std::uint16_t> free_slots;
+    std::uint16_t next_slot = 0;         ///< Those from here on were never taken.
+    std::vector<RemoteAura> theirs;      ///< What we know of the peer; ascending.
+    std::vector<BodyId> their_slots;     ///< Whom the peer means by each slot.
+    std::vector<HandoverRequest> pulls;  ///< Of the newest message, until take_in().
+    std::vector<Wanted> wanted;          ///< Only used within announce(); kept for its memory.
     SharedBytes frame;
   };
-  SharedBytes frame_for(Peer& peer, std::map<BodyId, Sent>&& wanted,
-                        const std::vector<HandoverRequest>& pulls, Tick now,
-                        const AuraBodies& bodies) const;
+  struct Message;
+  static std::uint16_t take_slot(Peer& peer);
+  static void tell(Peer& peer, const Wanted& wanted, Projection& projection, bool known,
+                   const AuraBodies& bodies, Message& message);
+  static SharedBytes frame_for(Peer& peer, const std::vector<HandoverRequest>& pulls, Tick now,
+                               const AuraBodies& bodies);
 
   std::map<RegionId, Peer> peers_;
   std::vector<RemoteAura> remote_;

@@ -2,6 +2,7 @@
 #include "server/region/replica_publisher.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "protocol/wire_values.h"
 #include "server/base/check.h"
@@ -53,6 +54,7 @@ SharedBytes frame_of(Tick now, bool complete, std::span<const wire::ReplicaKey> 
 }  // namespace
 
 std::uint32_t ReplicaPublisher::take_slot() {
+  AUREOLE_CHECK(next_slot_ < slot_codes, "no world has so many bodies");
   if (free_slots_.empty()) return next_slot_++;
   const std::uint32_t slot = free_slots_.back();
   free_slots_.pop_back();
@@ -62,8 +64,8 @@ std::uint32_t ReplicaPublisher::take_slot() {
 void ReplicaPublisher::body_gained(BodyId id, Version version) {
   auto [it, fresh] = bodies_.try_emplace(id);
   AUREOLE_CHECK(fresh, "a body is published once");
-  it->second.slot = take_slot();
-  it->second.version = version;
+  it->second = {take_slot(), version};
+  due_.push_back(id);
 }
 
 void ReplicaPublisher::body_lost(BodyId id) {
@@ -71,6 +73,9 @@ void ReplicaPublisher::body_lost(BodyId id) {
   AUREOLE_CHECK(it != bodies_.end(), "only published bodies are lost");
   free_slots_.push_back(it->second.slot);
   bodies_.erase(it);
+  const auto followed = std::lower_bound(followed_.begin(), followed_.end(), id,
+                                         [](const Followed& f, BodyId key) { return f.id < key; });
+  if (followed != followed_.end() && followed->id == id) followed->lost = true;
 }
 
 void ReplicaPublisher::body_removed(BodyId id, Version version) {
@@ -78,35 +83,97 @@ void ReplicaPublisher::body_removed(BodyId id, Version version) {
   removed_.push_back({id, version});
 }
 
-SharedBytes ReplicaPublisher::update(Tick now, const PhysicsWorld& world,
-                                     std::span<const Avatar* const> avatars) {
+struct ReplicaPublisher::Round {
+  Tick now;
+  const PhysicsWorld& world;
+  std::size_t next_followed = 0, next_due = 0;  ///< Places in the lists that are walked.
+  std::vector<BodyId> still_due;
   std::vector<wire::ReplicaKey> keys;
   std::vector<wire::ReplicaMotion> motions;
-  for (BodyId id : world.ids()) {
-    Published& published = bodies_.at(id);
-    const bool asleep = world.is_asleep(id);
-    // Asleep and known to be: nothing has changed since.
-    if (asleep && published.asleep && !published.key_due) continue;
-    const BodyState state = world.state(id);
-    const auto position = quantise(state.position);
-    const auto orientation = quantise(state.orientation);
-    const bool moved = position != published.position || orientation != published.orientation;
-    const bool turn = !asleep && (now.value + published.slot) % key_interval_ticks == 0;
-    const bool needs_key = published.key_due || asleep != published.asleep || turn;
-    // More would not fit a frame together with everybody's motion; the rest comes a tick later.
-    if (needs_key && keys.size() >= keys_per_update) continue;
-    if (needs_key) {
-      keys.push_back(make_key({id, world.prototype(id), state}, published.version, published.slot));
-    } else if (moved) {
-      flatbuffers::span<const std::uint8_t, 9> p(position.data(), 9);
-      flatbuffers::span<const std::uint8_t, 6> q(orientation.data(), 6);
-      motions.emplace_back(published.slot, p, q, std::uint8_t{0});
+};
+
+/// False: there is no room left. More would not fit a frame together with everybody's motion; the
+/// rest comes a tick later.
+bool ReplicaPublisher::send_key(Round& round, const NewBody& body) const {
+  if (round.keys.size() >= keys_per_update) return false;
+  const Published& published = bodies_.at(body.id);
+  round.keys.push_back(make_key(body, published.version, published.slot));
+  return true;
+}
+
+bool ReplicaPublisher::send_key(Round& round, BodyId id) const {
+  return round.keys.size() < keys_per_update &&
+         send_key(round, NewBody{id, round.world.prototype(id), round.world.state(id)});
+}
+
+/// Tells of those below `before` that have fallen asleep or came asleep.
+void ReplicaPublisher::look_at_sleepers(Round& round, BodyId before) {
+  std::size_t& next_followed = round.next_followed;
+  std::size_t& next_due = round.next_due;
+  while (true) {
+    while (next_followed < followed_.size() && followed_[next_followed].lost) ++next_followed;
+    const Followed* followed =
+        next_followed < followed_.size() && followed_[next_followed].id < before
+            ? &followed_[next_followed]
+            : nullptr;
+    const bool due = next_due < due_.size() && due_[next_due] < before;
+    if (followed != nullptr && (!due || followed->id < due_[next_due])) {
+      if (!send_key(round, followed->id)) still_followed_.push_back(*followed);
+      ++next_followed;
+    } else if (due) {
+      const BodyId id = due_[next_due++];
+      // It may have gone before anybody was told that it came.
+      if (bodies_.contains(id) && !send_key(round, id)) round.still_due.push_back(id);
+    } else {
+      return;
     }
-    published.key_due = false;
-    published.asleep = asleep;
-    published.position = position;
-    published.orientation = orientation;
   }
+}
+
+/// A body that is awake, and known to be.
+void ReplicaPublisher::follow(Round& round, const NewBody& body, Followed& followed) const {
+  const auto position = quantise(body.state.position);
+  const auto orientation = quantise(body.state.orientation);
+  if ((round.now.value + followed.slot) % key_interval_ticks == 0) {
+    if (!send_key(round, body)) return;
+  } else if (position != followed.position || orientation != followed.orientation) {
+    const std::array<std::uint8_t, 3> slot = wire_slot(followed.slot);
+    flatbuffers::span<const std::uint8_t, 3> s(slot.data(), 3);
+    flatbuffers::span<const std::uint8_t, 9> p(position.data(), 9);
+    flatbuffers::span<const std::uint8_t, 6> q(orientation.data(), 6);
+    round.motions.emplace_back(s, p, q);
+  }
+  followed.position = position;
+  followed.orientation = orientation;
+}
+
+SharedBytes ReplicaPublisher::update(Tick now, const PhysicsWorld& world,
+                                     std::span<const Avatar* const> avatars) {
+  Round round{now, world, {}, {}, {}, {}, {}};
+  round.motions.reserve(followed_.size());
+  std::size_t& next_followed = round.next_followed;
+  std::size_t& next_due = round.next_due;
+  still_followed_.clear();
+  std::sort(due_.begin(), due_.end());
+  due_.erase(std::unique(due_.begin(), due_.end()), due_.end());
+  for (const NewBody& body : world.awake()) {
+    look_at_sleepers(round, body.id);
+    if (next_followed < followed_.size() && followed_[next_followed].id == body.id) {
+      follow(round, body, still_followed_.emplace_back(followed_[next_followed++]));
+      continue;
+    }
+    const bool due = next_due < due_.size() && due_[next_due] == body.id;
+    if (due) ++next_due;
+    // It is new, or it has woken up: then it is in neither list.
+    if (send_key(round, body))
+      still_followed_.push_back({body.id, bodies_.at(body.id).slot, false,
+                                 quantise(body.state.position), quantise(body.state.orientation)});
+    else if (due)
+      round.still_due.push_back(body.id);
+  }
+  look_at_sleepers(round, BodyId{std::numeric_limits<std::uint64_t>::max()});
+  std::swap(followed_, still_followed_);
+  std::swap(due_, round.still_due);
 
   std::vector<wire::ReplicaRemoved> removed;
   for (const auto& r : removed_) removed.push_back({r.id.value, to_wire(r.version)});
@@ -121,7 +188,7 @@ SharedBytes ReplicaPublisher::update(Tick now, const PhysicsWorld& world,
     now_known.emplace(a->player, sent);
   }
   players_ = std::move(now_known);
-  return frame_of(now, true, keys, motions, removed, players);
+  return frame_of(now, true, round.keys, round.motions, removed, players);
 }
 
 std::vector<SharedBytes> ReplicaPublisher::whole_state(Tick now, const PhysicsWorld& world,

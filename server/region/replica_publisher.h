@@ -1,4 +1,4 @@
-// What gateways hear of a region's bodies: full states when something changes, 20 bytes while they
+// What gateways hear of a region's bodies: full states when something changes, 18 bytes while they
 // move.
 #pragma once
 
@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "protocol/frame.h"
@@ -30,7 +31,7 @@ struct RemovedBody {
 };
 
 /// One stream for all gateways; a gateway that joins is first sent the whole state. Bodies that
-/// sleep or do not leave their grid cell cost nothing.
+/// do not leave their grid cell cost no bytes; those that sleep cost no time either.
 class ReplicaPublisher {
  public:
   /// Every moving body's full state is sent once in this many ticks, so that stores can be
@@ -59,14 +60,29 @@ class ReplicaPublisher {
   struct Published {
     std::uint32_t slot = 0;
     Version version;
-    bool key_due = true;
-    bool asleep = false;
+  };
+  /// A body that gateways take for awake, and the pose they have of it.
+  struct Followed {
+    BodyId id;
+    std::uint32_t slot = 0;
+    bool lost = false;  ///< It is here no longer, or under another slot.
     QuantisedPosition position{};
     QuantisedOrientation orientation{};
   };
   std::uint32_t take_slot();
+  struct Round;  ///< One update in work.
+  void look_at_sleepers(Round& round, BodyId before);
+  void follow(Round& round, const NewBody& body, Followed& followed) const;
+  bool send_key(Round& round, const NewBody& body) const;
+  bool send_key(Round& round, BodyId id) const;
 
   std::unordered_map<BodyId, Published> bodies_;
+  // Walked side by side with the bodies that are awake: all three ascend, and what sleeps and is
+  // known to sleep is in none of them.
+  std::vector<Followed> followed_;
+  std::vector<BodyId> due_;  ///< Never told of, except while they wait for room in an update.
+  std::vector<Followed> still_followed_;  ///< Only used within update(); kept for its memory.
+
   std::vector<std::uint32_t> free_slots_;
   std::uint32_t next_slot_ = 0;
   std::vector<RemovedBody> removed_;

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "protocol/wire.h"
+#include "protocol/wire_values.h"
 #include "server/base/check.h"
 #include "server/replica/replica_wire.h"
 
@@ -131,12 +131,10 @@ Status ReplicaStore::take_key(const wire::ReplicaKey& key, RegionId from, Region
 }
 
 Status ReplicaStore::take_motion(const wire::ReplicaMotion& motion, Region& region) {
-  const SlotTable::Binding* binding = region.slots.find(motion.slot());
+  const std::uint32_t slot = slot_of(motion);
+  const SlotTable::Binding* binding = region.slots.find(slot);
   if (binding == nullptr)
-    return Error::format("motion of slot {}, to which no body was bound", motion.slot());
-  if (motion.reserved() != 0)
-    return Error::format("motion of slot {} with reserved bits {:#x} set; expected 0",
-                         motion.slot(), motion.reserved());
+    return Error::format("motion of slot {}, to which no body was bound", slot);
   if (binding->stamp == 0) return Ok{};
   Body& body = bodies_[binding->body];
   if (body.stamp != binding->stamp || *region.newest < body.history.newest_tick()) return Ok{};

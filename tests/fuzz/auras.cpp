@@ -27,11 +27,12 @@ class SomeBodies : public AuraBodies {
   double creep_m = 0;
 };
 
-MigrationDecision decision(std::uint32_t from, std::uint32_t until, bool asks = false) {
+MigrationDecision decision(std::uint32_t from, std::uint32_t until, bool asks = false,
+                           double height_m = 1) {
   MigrationDecision made;
   for (std::uint32_t n = from; n < until; ++n)
     made.projected.push_back({BodyId::world(n),
-                              {{double(n), 1, -1}, {0.5, 1, 2}},
+                              {{double(n), height_m, -1}, {0.5, 1, 2}},
                               n % 4 == 0,
                               n % 2 == 0,
                               double(n % 7),
@@ -107,7 +108,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     FUZZ_EXPECT(may_travel(item.body.state));
   }
 
-  // The same again changes nothing; with the link it goes.
+  // The same again changes nothing; with the link it goes. (Nothing that was never told can move.)
+  const auto* message = verified<wire::Auras>(payload);
+  const bool moves = message != nullptr && message->moved() != nullptr && message->moved()->size();
+  FUZZ_EXPECT(!moves || !told);
   const std::size_t known = exchange.remote().size();
   FUZZ_EXPECT(bool(exchange.receive(hostile, payload, prototypes, regions)) == bool(told));
   exchange.take_in();
@@ -115,12 +119,22 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   exchange.link_down(hostile);
   exchange.take_in();
   FUZZ_EXPECT(exchange.remote().size() == 3 && !exchange.has_heard(hostile));
+
+  // Behind an honest message there is something to move.
+  AuraExchange moving = a_receiver();
+  FUZZ_EXPECT(moving.receive(hostile, messages({decision(10, 14)}).front(), prototypes, regions));
+  const auto moved = moving.receive(hostile, payload, prototypes, regions);
+  moving.take_in();
+  check(moving.remote());
+  FUZZ_EXPECT(moved || moving.remote().size() == 7);
   return 0;
 }
 
 std::vector<Bytes> aureole_fuzz_seeds() {
   std::vector<Bytes> seeds = messages({decision(1, 8), decision(1, 8), decision(5, 6, true)});
   for (Bytes& more : messages({{}, decision(0, 200), decision(0, 2)})) seeds.push_back(more);
+  for (Bytes& more : messages({decision(10, 14), decision(10, 14, false, 2)}))
+    seeds.push_back(more);
   for (const std::int64_t tick : {std::int64_t{8}, INT64_MAX, INT64_MIN}) {
     const SharedBytes life = AuraExchange::sign_of_life(Tick{tick});
     seeds.emplace_back(life->begin() + sizeof(FrameHeader), life->end());

@@ -199,19 +199,25 @@ void BulletWorld::drive_obstacles(float dt_s) {
   }
 }
 
-void BulletWorld::step(float dt_s, std::span<BulletBody* const> all) {
+void BulletWorld::step(float dt_s, std::span<BulletBody* const> all, std::vector<NewBody>& awake) {
   gDeactivationTime = settings_.sleep_after_s;  // shared by all worlds of the process
   // No sub-steps and no motion states: the pose after the call is the pose of this step exactly.
   world_.stepSimulation(dt_s, 0);
   drive_obstacles(dt_s);
   // A basis is carried as a quaternion and made of it again elsewhere, with other last bits. Going
   // through the quaternion here too makes a body that has moved to another world the same body.
+  awake.clear();
   for (BulletBody* body : all) {
-    if (body->immovable() || !body->rigid.isActive()) continue;
+    if (!body->rigid.isActive()) continue;
+    if (body->immovable()) {
+      awake.push_back({body->id, body->prototype, state_of(*body)});
+      continue;
+    }
     const btTransform& pose = body->rigid.getWorldTransform();
     const btQuaternion rotation = pose.getRotation();
     body->orientation = aureole::from_bullet(rotation);
     body->rigid.setCenterOfMassTransform(btTransform(rotation, pose.getOrigin()));
+    awake.push_back({body->id, body->prototype, state_of(*body)});
   }
 }
 

@@ -109,8 +109,9 @@ class BulletWorld {
   /// After a body was moved by hand: its box, its pairs, and who was touching it.
   void moved_by_hand(BulletBody& body, Wake wake);
 
-  /// `all` are the world's bodies, in any order that is the same each time.
-  void step(float dt_s, std::span<BulletBody* const> all);
+  /// `all` are the world's bodies, in any order that is the same each time. Replaces `awake` by
+  /// those that are awake after the step, in that order: here their memory is at hand anyway.
+  void step(float dt_s, std::span<BulletBody* const> all, std::vector<NewBody>& awake);
 
   btVector3 local(const WorldPosition& p) const;
   WorldPosition global(const btVector3& p) const;

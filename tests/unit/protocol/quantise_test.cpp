@@ -184,3 +184,11 @@ TEST_CASE("Any bits are a position inside the world and a unit quaternion") {
     if (quantise(at) != p) FAIL("every position code is a grid point");
   }
 }
+
+TEST_CASE("A position halfway between two cells goes to the even one, on either side of zero") {
+  for (int cell = -5; cell <= 5; ++cell) {
+    const WorldPosition halfway{(cell + 0.5) * position_grid_m, 0, 0};
+    const double even = cell % 2 == 0 ? cell : cell + 1;
+    CHECK(dequantise(quantise(halfway)).x == even * position_grid_m);
+  }
+}

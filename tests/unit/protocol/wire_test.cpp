@@ -1,5 +1,5 @@
 // Payloads that were cut short, bent or shifted: refused, or read without leaving the buffer.
-#include "protocol/wire.h"
+#include "protocol/wire_values.h"
 
 #include "tests/support/catch.h"
 
@@ -71,7 +71,7 @@ double read_all(const wire::ReplicaUpdate& u) {
               [](auto& k) {
                 return double(k.id()) + k.slot() + k.position().z() + k.deactivation_time_s();
               }) +
-         each(u.motions(), [](auto& m) { return double(m.slot()) + m.reserved(); }) +
+         each(u.motions(), [](auto& m) { return double(slot_of(m)) + m.orientation()->Get(5); }) +
          each(u.removed(),
               [](auto& r) { return double(r.id()) + double(r.version().incarnation()); }) +
          each(u.players(), [](auto& p) { return double(p.player()) + double(p.carried()); });
@@ -130,11 +130,12 @@ TEST_CASE("The structs of the wire have the sizes that WIRE_FORMAT.md states") {
   static_assert(sizeof(wire::Command) == 48 && alignof(wire::Command) == 8);
   static_assert(sizeof(wire::Blast) == 56 && alignof(wire::Blast) == 8);
   static_assert(sizeof(wire::Aura) == 32 && alignof(wire::Aura) == 8);
+  static_assert(sizeof(wire::AuraMotion) == 20 && alignof(wire::AuraMotion) == 2);
   static_assert(sizeof(wire::Resting) == 56 && alignof(wire::Resting) == 8);
   static_assert(sizeof(wire::BodyRequest) == 16 && alignof(wire::BodyRequest) == 8);
   static_assert(sizeof(wire::ReplicaVersion) == 16 && alignof(wire::ReplicaVersion) == 8);
   static_assert(sizeof(wire::ReplicaKey) == 104 && alignof(wire::ReplicaKey) == 8);
-  static_assert(sizeof(wire::ReplicaMotion) == 20 && alignof(wire::ReplicaMotion) == 4);
+  static_assert(sizeof(wire::ReplicaMotion) == 18 && alignof(wire::ReplicaMotion) == 1);
   static_assert(sizeof(wire::ReplicaRemoved) == 24 && alignof(wire::ReplicaRemoved) == 8);
   static_assert(sizeof(wire::PlayerStatus) == 24 && alignof(wire::PlayerStatus) == 8);
   SUCCEED("checked when this was compiled");

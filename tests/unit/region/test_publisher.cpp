@@ -34,7 +34,7 @@ TEST_CASE("a new gateway is sent every body once, and a sleeping world costs not
   }
 }
 
-TEST_CASE("a moving body costs 20 bytes a tick and a key now and then") {
+TEST_CASE("a moving body costs 18 bytes a tick and a key now and then") {
   auto world = flat_world(1);
   put(world, ball, {0, 0.3, 0}, {5, 0, 0});
   RegionCluster cluster(world);
@@ -47,7 +47,7 @@ TEST_CASE("a moving body costs 20 bytes a tick and a key now and then") {
     keys += update->keys()->size();
     motions += update->motions()->size();
   }
-  REQUIRE(sizeof(wire::ReplicaMotion) == 20);
+  REQUIRE(sizeof(wire::ReplicaMotion) == 18);
   REQUIRE(keys == 2);
   REQUIRE(motions == 126);
 }

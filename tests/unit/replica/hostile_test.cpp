@@ -102,10 +102,6 @@ TEST_CASE("A motion of a slot that was never bound is refused") {
   CHECK(is_refused(Update(11).motion(~0u, {})));
 }
 
-TEST_CASE("A motion with reserved bits is refused") {
-  CHECK(is_refused(Update(11).motion(1, {}, Eigen::Quaternionf::Identity(), 1)));
-}
-
 TEST_CASE("Ticks do not go back, and are not so large that times overflow") {
   CHECK_FALSE(is_refused(Update(10)));
   CHECK(is_refused(Update(9)));

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "protocol/quantise.h"
-#include "protocol/wire.h"
+#include "protocol/wire_values.h"
 #include "server/base/ids.h"
 #include "server/base/tick.h"
 #include "server/base/world_position.h"
@@ -55,12 +55,13 @@ class Update {
     return *this;
   }
   Update& motion(std::uint32_t slot, const WorldPosition& at,
-                 const Eigen::Quaternionf& turned = Eigen::Quaternionf::Identity(),
-                 std::uint8_t reserved = 0) {
+                 const Eigen::Quaternionf& turned = Eigen::Quaternionf::Identity()) {
     const QuantisedPosition p = quantise(at);
     const QuantisedOrientation o = quantise(turned);
-    motions_.emplace_back(slot, flatbuffers::span<const std::uint8_t, 9>(p.data(), p.size()),
-                          flatbuffers::span<const std::uint8_t, 6>(o.data(), o.size()), reserved);
+    const std::array<std::uint8_t, 3> s = wire_slot(slot);
+    motions_.emplace_back(flatbuffers::span<const std::uint8_t, 3>(s.data(), s.size()),
+                          flatbuffers::span<const std::uint8_t, 9>(p.data(), p.size()),
+                          flatbuffers::span<const std::uint8_t, 6>(o.data(), o.size()));
     return *this;
   }
   Update& removed(BodyId id, const Version& version) {

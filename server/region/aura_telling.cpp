@@ -1,0 +1,188 @@
+// Telling auras: what a peer does not know yet, or knows otherwise.
+#include <algorithm>
+#include <cmath>
+
+#include "protocol/wire_values.h"
+#include "server/base/check.h"
+#include "server/region/aura_exchange.h"
+#include "server/region/aura_wire.h"
+#include "server/region/handoff/handoff.h"
+
+namespace aureole {
+namespace {
+
+using namespace aura_wire;
+
+std::uint16_t rounded_up(double value, double step) {
+  // The same as std::ceil, without its call.
+  const double steps = std::clamp(value / step, 0.0, 65'535.0);
+  const auto whole = static_cast<std::uint16_t>(steps);
+  return static_cast<std::uint16_t>(whole + (whole < steps ? 1 : 0));
+}
+
+/// Rounded up, and by the error of the quantised centre: the receiver's box holds the sender's.
+std::uint16_t quantise_extent(double metres) {
+  return rounded_up(metres + position_error_m, extent_step_m);
+}
+
+bool has_crept(const WorldPosition& from, const Eigen::Quaternionf& turned_from,
+               const BodyState& to) {
+  return distance(from, to.position) > AuraExchange::creep_m ||
+         double{turned_from.angularDistance(to.orientation)} > AuraExchange::creep_rad;
+}
+
+}  // namespace
+
+/// What goes into a frame.
+struct AuraExchange::Message {
+  std::vector<wire::Aura> auras;
+  std::vector<wire::AuraMotion> moved;
+  std::vector<wire::Resting> resting;
+  std::vector<std::uint64_t> removed, handed_over;
+
+  bool empty() const {
+    return auras.empty() && moved.empty() && resting.empty() && removed.empty() &&
+           handed_over.empty();
+  }
+};
+
+std::uint16_t AuraExchange::take_slot(Peer& peer) {
+  if (peer.free_slots.empty()) return peer.next_slot == no_slot ? no_slot : peer.next_slot++;
+  const std::uint16_t slot = peer.free_slots.back();
+  peer.free_slots.pop_back();
+  return slot;
+}
+
+/// Brings one projection to what is wanted; `known`: the peer has heard of it.
+void AuraExchange::tell(Peer& peer, const Wanted& wanted, Projection& projection, bool known,
+                        const AuraBodies& bodies, Message& message) {
+  Sent sent = wanted.sent;
+  const std::uint8_t before = known ? projection.sent.flags : std::uint8_t{0};
+  constexpr std::uint8_t sleeps = asleep_flag | resting_flag;
+  if ((sent.flags & resting_flag) != 0) {
+    const bool told = (before & resting_flag) != 0 && projection.rested;
+    // What slept and sleeps lies where it lay.
+    const bool lies = told && (before & sleeps) == sleeps && (sent.flags & sleeps) == sleeps;
+    if (!lies) {
+      const NewBody exact = bodies.resting_body(wanted.id);
+      if (!told || has_crept(projection.position, projection.orientation, exact.state)) {
+        message.resting.push_back(encode_resting(exact));
+        projection.position = exact.state.position;
+        projection.orientation = exact.state.orientation;
+        projection.rested = true;
+      }
+    }
+  } else if (projection.rested &&
+             distance(projection.position, bodies.resting_body(wanted.id).state.position) >
+                 left_m) {
+    sent.flags |= left_flag;
+  }
+  if (known && projection.sent == sent) return;
+  projection.sent = sent;
+  const flatbuffers::span<const std::uint8_t, 9> position(sent.position.data(), 9);
+  const flatbuffers::span<const std::uint16_t, 3> half_extents(sent.half_extents.data(), 3);
+  if (known && projection.slot != no_slot) {
+    message.moved.emplace_back(projection.slot, sent.speed, half_extents, position, sent.flags);
+    return;
+  }
+  if (!known) projection.slot = take_slot(peer);
+  message.auras.emplace_back(wanted.id.value, static_cast<float>(bodies.mass_kg(wanted.id)),
+                             position, sent.flags, half_extents, sent.speed, projection.slot);
+}
+
+SharedBytes AuraExchange::frame_for(Peer& peer, const std::vector<HandoverRequest>& pulls, Tick now,
+                                    const AuraBodies& bodies) {
+  Message message;
+  std::vector<Projection> projected;
+  projected.reserve(peer.wanted.size());
+  auto before = peer.projected.begin();
+  const auto withdraw = [&](const Projection& gone) {
+    (bodies.was_handed_over(gone.id) ? message.handed_over : message.removed)
+        .push_back(gone.id.value);
+    if (gone.slot != no_slot) peer.free_slots.push_back(gone.slot);
+  };
+  for (const Wanted& wanted : peer.wanted) {
+    while (before != peer.projected.end() && before->id < wanted.id) withdraw(*before++);
+    const bool known = before != peer.projected.end() && before->id == wanted.id;
+    projected.push_back(known ? *before++ : Projection{wanted.id, {}, no_slot, false, {}, {}});
+    tell(peer, wanted, projected.back(), known, bodies, message);
+  }
+  while (before != peer.projected.end()) withdraw(*before++);
+  peer.projected = std::move(projected);
+  if (peer.greeted && message.empty() && pulls.empty()) return nullptr;
+  peer.greeted = true;
+
+  std::vector<std::uint64_t> asked;
+  std::vector<std::uint16_t> asked_to;
+  for (const HandoverRequest& pull : pulls) {
+    asked.push_back(pull.body.value);
+    asked_to.push_back(pull.to.value);
+  }
+  flatbuffers::FlatBufferBuilder builder(256 + message.auras.size() * sizeof(wire::Aura) +
+                                         message.moved.size() * sizeof(wire::AuraMotion) +
+                                         message.resting.size() * sizeof(wire::Resting));
+  // Empty lists are left out: few bytes, but in every message to every neighbour.
+  const auto structs = [&](const auto& list) {
+    using Offset = decltype(builder.CreateVectorOfStructs(list));
+    return list.empty() ? Offset{} : builder.CreateVectorOfStructs(list);
+  };
+  const auto numbers = [&](const auto& list) {
+    using Offset = decltype(builder.CreateVector(list));
+    return list.empty() ? Offset{} : builder.CreateVector(list);
+  };
+  const auto auras_at = structs(message.auras);
+  const auto moved_at = structs(message.moved);
+  const auto resting_at = structs(message.resting);
+  const auto removed_at = numbers(message.removed);
+  const auto handed_over_at = numbers(message.handed_over);
+  const auto pulls_at = numbers(asked);
+  const auto pulls_to_at = numbers(asked_to);
+  return std::make_shared<const Bytes>(
+      finish_frame(builder,
+                   wire::CreateAuras(builder, now.value, auras_at, resting_at, removed_at,
+                                     handed_over_at, pulls_at, pulls_to_at, moved_at),
+                   FrameType::auras));
+}
+
+void AuraExchange::announce(Tick now, const MigrationDecision& decision, const AuraBodies& bodies) {
+  changed_ = false;
+  for (auto& [id, peer] : peers_) {
+    peer.frame.reset();
+    peer.wanted.clear();
+  }
+  for (const ProjectedAura& aura : decision.projected) {
+    Sent sent;
+    sent.position = quantise(WorldPosition::from(aura.box.centre));
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      sent.half_extents[axis] = quantise_extent(aura.box.half[static_cast<Eigen::Index>(axis)]);
+    sent.flags = static_cast<std::uint8_t>((aura.asleep ? asleep_flag : 0) |
+                                           (aura.resting ? resting_flag : 0));
+    sent.speed = rounded_up(aura.speed_mps, speed_step_mps);
+    for (RegionId to : aura.to) {
+      const auto peer = peers_.find(to);
+      if (peer == peers_.end() || !peer->second.up) continue;
+      std::vector<Wanted>& wanted = peer->second.wanted;
+      AUREOLE_CHECK(wanted.empty() || wanted.back().id < aura.id,
+                    "a policy names each aura once, in ascending order");
+      wanted.push_back({aura.id, sent});
+    }
+  }
+  std::map<RegionId, std::vector<HandoverRequest>> pulls;
+  for (const Pull& pull : decision.pulls)
+    for (BodyId id : pull.bodies) pulls[pull.from].push_back({id, pull.to});
+  for (auto& [id, peer] : peers_)
+    if (peer.up) peer.frame = frame_for(peer, pulls[id], now, bodies);
+}
+
+SharedBytes AuraExchange::sign_of_life(Tick now) {
+  flatbuffers::FlatBufferBuilder builder(64);
+  return std::make_shared<const Bytes>(
+      finish_frame(builder, wire::CreateAuras(builder, now.value), FrameType::auras));
+}
+
+SharedBytes AuraExchange::take_frame(RegionId id) {
+  const auto it = peers_.find(id);
+  return it == peers_.end() ? nullptr : std::exchange(it->second.frame, nullptr);
+}
+
+}  // namespace aureole

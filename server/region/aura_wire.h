@@ -1,0 +1,13 @@
+// How auras travel: units and flags of the wire, for those who tell and those who hear.
+#pragma once
+
+#include <cstdint>
+
+namespace aureole::aura_wire {
+
+/// Half extents travel in steps of 1/64 m, speeds in steps of 1/64 m/s.
+inline constexpr double extent_step_m = 1.0 / 64;
+inline constexpr double speed_step_mps = 1.0 / 64;
+inline constexpr std::uint8_t asleep_flag = 1, resting_flag = 2, left_flag = 4;
+
+}  // namespace aureole::aura_wire
