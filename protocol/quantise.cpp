@@ -47,13 +47,16 @@ Eigen::Vector4f unpack(const SmallestThree& q) {
   return c.cast<float>();
 }
 
-/// The first of those that are equal.
+/// The first of those that are equal. Which one it is nobody can foretell: no branches.
 int index_of_largest(const Eigen::Vector4f& c) {
-  int largest = 0;
-  for (int i = 1; i < 4; ++i)
-    if (std::abs(c[i]) > std::abs(c[largest])) largest = i;
-  return largest;
+  const float x = std::abs(c[0]), y = std::abs(c[1]), z = std::abs(c[2]), w = std::abs(c[3]);
+  const int of_xy = static_cast<int>(y > x);
+  const int of_zw = 2 + static_cast<int>(w > z);
+  return std::max(z, w) > std::max(x, y) ? of_zw : of_xy;
 }
+
+/// The components that are not left out, in order.
+constexpr int others[4][3] = {{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}};
 
 /// Whether the component that was left out is still the largest after rounding, so that quantising
 /// the unpacked quaternion leaves out the same one.
@@ -110,15 +113,13 @@ QuantisedOrientation quantise(const Eigen::Quaternionf& orientation) {
     std::array<double, 3> exact{};
     double squares = 0;
     double second = 0;
-    for (int i = 0, k = 0; i < 4; ++i) {
-      if (i == packed.largest) continue;
-      exact[k] =
-          std::clamp(coefficients[i] * scale, -double{component_zero}, double{component_zero});
+    for (int k = 0; k < 3; ++k) {
+      const double component = coefficients[others[packed.largest][k]];
+      exact[k] = std::clamp(component * scale, -double{component_zero}, double{component_zero});
       const double rounded = nearest(exact[k]);
       packed.codes[k] = component_zero + static_cast<std::int32_t>(rounded);
       squares += rounded * rounded;
       second = std::max(second, std::abs(rounded));
-      ++k;
     }
     // The first condition spares nearly all orientations the second one. In steps the radius of the
     // unit sphere is √2 × component_zero; one step of distance is far more than floats lose.
