@@ -131,6 +131,7 @@ void SimulatedNetwork::send(End from, End to, SharedBytes frame, Micros now) {
   Traffic& traffic = channel(from, to).traffic;
   ++traffic.messages;
   traffic.bytes += frame->size();
+  if (watcher_) watcher_(from, to, frame);
   Item item;
   item.what.kind = Delivery::Kind::frame;
   item.what.frame = std::move(frame);

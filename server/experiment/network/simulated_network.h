@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -72,6 +73,10 @@ class SimulatedNetwork {
   /// Frames of which a segment had to be sent again.
   std::uint64_t frames_sent_again() const { return frames_sent_again_; }
 
+  /// Told of every frame that is given to a link.
+  using Watcher = std::function<void(End from, End to, const SharedBytes& frame)>;
+  void watch(Watcher watcher) { watcher_ = std::move(watcher); }
+
   /// Frames that were given to a link since the start.
   struct Traffic {
     std::uint64_t messages = 0, bytes = 0;
@@ -131,6 +136,7 @@ class SimulatedNetwork {
   NetworkTiming timing_;
   Random random_;
   PacketLoss loss_;
+  Watcher watcher_;
   std::vector<std::optional<Incarnation>> running_;
   std::vector<Channel> channels_;
   std::vector<Link> links_;
