@@ -28,17 +28,24 @@ std::string list_of(const nlohmann::json& values) {
   return list;
 }
 
+std::int64_t sum_of(const nlohmann::json& values) {
+  std::int64_t sum = 0;
+  for (const auto& value : values) sum += value.get<std::int64_t>();
+  return sum;
+}
+
 void print_report(const nlohmann::json& report) {
   fmt::print(
       "CPU time of each server's thread for each tick (ms), in processes with their sockets, and "
-      "in\nvirtual time without them.\n{:>5} {:>9} {:>9} {:>6} {:>9}   {}\n",
-      "t, s", "worst", "virtual", "ratio", "longest", "servers | the same in virtual time");
+      "in\nvirtual time without them.\n{:>5} {:>9} {:>9} {:>6} {:>9} {:>7}   {}\n",
+      "t, s", "worst", "virtual", "ratio", "longest", "skipped",
+      "servers | the same in virtual time");
   for (const auto& row : report["buckets"])
-    fmt::print("{:>5.0f} {:>9.2f} {:>9.2f} {:>6.2f} {:>9.2f}  {} |{}\n",
+    fmt::print("{:>5.0f} {:>9.2f} {:>9.2f} {:>6.2f} {:>9.2f} {:>7}  {} |{}\n",
                row["t_end_s"].get<double>(), row["worst_server_ms"].get<double>(),
                row["virtual_worst_server_ms"].get<double>(), row["ratio"].get<double>(),
-               row["longest_step_ms"].get<double>(), list_of(row["server_ms"]),
-               list_of(row["virtual_server_ms"]));
+               row["longest_step_ms"].get<double>(), sum_of(row["skipped_ticks"]),
+               list_of(row["server_ms"]), list_of(row["virtual_server_ms"]));
 }
 
 int run(const Options& o) {

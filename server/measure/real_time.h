@@ -22,9 +22,11 @@ struct RealTimeOptions {
 /// What one server did in one bucket of 5 s of world time.
 struct RealTimeBucket {
   double t_end_s = 0;
-  /// CPU time of its thread for each tick of the bucket: all that it does, with its sockets.
+  /// CPU time of its thread for each tick that it took: all that it does, with its sockets.
   std::vector<double> server_ms;
   std::vector<std::uint64_t> bodies;  ///< At the end.
+  /// Ticks that each server left out because it was behind: then others had its cores.
+  std::vector<std::int64_t> skipped_ticks;
   /// Time on the clock, of a step: the longest of the last 8 s that any server tells of.
   double longest_step_ms = 0;
   /// Servers outside of any tolerance at the end, as they say themselves.
@@ -36,9 +38,9 @@ struct RealTimeBucket {
 Result<std::int64_t> thread_cpu_of_process_ns(int pid);
 
 /// Starts one process for each region and one gateway on this machine, on ports that are free, and
-/// ends them all. A server has one thread, which is what is measured; with more servers than cores
-/// they wait for each other, and the world falls behind: nothing is measured then. Errors: the
-/// world does not start, a process ends, or the world is late.
+/// ends them all. A server has one thread, which is what is measured; with more servers than free
+/// cores they wait for each other and leave ticks out. Errors: the world does not start, a process
+/// ends, or a server left out more than half of a bucket's ticks.
 Result<std::vector<RealTimeBucket>> run_in_real_time(
     const WorldDefinition& world, const RealTimeOptions& options,
     const std::function<void(const std::string&)>& progress);

@@ -238,6 +238,8 @@ TEST_CASE("a tolerance that follows covers a long latency, a fixed one does not"
   CHECK(fixed["buckets"][1]["ticks_outside"]["latency"] == 1);
   CHECK(follows["buckets"][1]["ticks_outside"]["latency"] == 0);
   CHECK(follows["buckets"][0]["ticks_outside"]["latency"].get<double>() < 0.2);
+  // Larger auras, so that other bodies are brought together.
+  CHECK(fixed["state_hash"] != follows["state_hash"]);
   CHECK(follows["total"]["missed_interactions_in_tolerance"] == 0);
   CHECK(follows["bodies_lost"] == 0);
 }

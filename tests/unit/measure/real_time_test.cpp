@@ -37,9 +37,10 @@ TEST_CASE("buckets of both kinds of time stand side by side") {
        {{{"worst_server_ms", 4.0}, {"server_ms", {4.0, 3.0}}, {"bodies", {10, 9}}},
         {{"worst_server_ms", 5.0}, {"server_ms", {4.0, 5.0}}, {"bodies", {20, 19}}}}}};
   const nlohmann::json both = compare_with_virtual_time(
-      {{5, {3.0, 5.0}, {11, 8}, 9, 0}, {10, {6.0, 2.0}, {20, 19}, 9, 1}}, report);
+      {{5, {3.0, 5.0}, {11, 8}, {0, 2}, 9, 0}, {10, {6.0, 2.0}, {20, 19}, {0, 0}, 9, 1}}, report);
   REQUIRE(both["buckets"].size() == 2);
   CHECK(both["buckets"][0]["worst_server_ms"] == 5);
+  CHECK(both["buckets"][0]["skipped_ticks"] == nlohmann::json({0, 2}));
   CHECK(both["buckets"][0]["ratio"] == 1.25);
   CHECK(both["buckets"][1]["virtual_server_ms"] == nlohmann::json({4.0, 5.0}));
   CHECK(both["buckets"][1]["ratio"] == 1.2);
