@@ -139,6 +139,8 @@ class MigrationPolicy {
   virtual ~MigrationPolicy() = default;
   /// Called once after every step.
   virtual MigrationDecision decide(const MigrationSituation& situation) = 0;
+  /// From the next decision on auras are sized by these.
+  virtual void set_tolerances(const AuraTolerances&) {}
 };
 
 /// Section 3.1 of the paper: a body is handed over when its centre has crossed the boundary. Bodies

@@ -33,6 +33,8 @@ class PaperPolicy final : public MigrationPolicy {
  public:
   explicit PaperPolicy(const AuraTolerances& tolerances) : tolerances_(tolerances) {}
 
+  void set_tolerances(const AuraTolerances& tolerances) override { tolerances_ = tolerances; }
+
   MigrationDecision decide(const MigrationSituation& s) override {
     prepare(s);
     meet_others(s);

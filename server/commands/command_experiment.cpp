@@ -1,4 +1,5 @@
-// `aureole experiment`: the paper's workload on columns or corners, with what every frame took.
+// `aureole experiment`: the paper's workload on columns, corners or grids, with what every frame
+// took.
 #include <fmt/core.h>
 #include <unistd.h>
 
@@ -16,6 +17,7 @@ namespace {
 
 struct Options {
   ExperimentOptions experiment;
+  std::string tolerances = "fixed";
   std::string json;
 };
 
@@ -64,6 +66,21 @@ void print_row(const nlohmann::json& row) {
       in_cell(row["efficiency"], 3), in_cell(row["efficiency_ideal"], 3));
 }
 
+void print_total(const nlohmann::json& total) {
+  fmt::print("In their tolerances: {} of frames, {} of ticks\n",
+             in_cell(total["frames_in_tolerance_share"], 4),
+             in_cell(total["ticks_in_tolerance_share"], 4));
+  if (total["wire"].is_null()) return;
+  const auto &wire = total["wire"], &jump = total["handoff_jump_mm"];
+  fmt::print(
+      "For each that moves and tick: {} bytes of auras, {} of replicas (full states: {} of that "
+      "on top)\n"
+      "Handoffs moved bodies by {} mm (99 %), {} mm at most; {} samples\n",
+      in_cell(wire["aura_bytes_per_moving_tick"], 1),
+      in_cell(wire["replica_bytes_per_moving_tick"], 1), in_cell(wire["replica_key_share"], 3),
+      in_cell(jump["p99"], 3), in_cell(jump["max"], 3), jump["samples"].get<std::size_t>());
+}
+
 void print_report(const nlohmann::json& report) {
   fmt::print(
       "Thread CPU time of frames (ms); the split is that of the busiest server; missed: in "
@@ -80,11 +97,15 @@ void print_report(const nlohmann::json& report) {
       last["worst_server_ms"].get<double>(), last["share_besides_physics"].get<double>() * 100,
       in_cell(last["speedup"], 2), in_cell(last["efficiency"], 3),
       in_cell(last["efficiency_ideal"], 3));
+  print_total(report["total"]);
   for (const auto& violation : report["violations"])
     fmt::print("  {}\n", violation.get<std::string>());
 }
 
-int run(const Options& o) {
+int run(Options o) {
+  if (o.experiment.workload.layout.empty())
+    return complain(exit_usage, "which layout? Expected column, corner or grid");
+  o.experiment.follow_latency = o.tolerances == "follow";
   if (o.experiment.jitter_ms > o.experiment.latency_ms)
     return complain(exit_usage,
                     "--jitter-ms must not be more than --latency-ms, of which it is a part");
@@ -109,6 +130,39 @@ int run(const Options& o) {
   return exit_ok;
 }
 
+void add_network_options(CLI::App& command, ExperimentOptions& e) {
+  command.add_option("--latency-ms", e.latency_ms, "Longest time of a message")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1000.0));
+  command.add_option("--jitter-ms", e.jitter_ms, "It takes this much less at most")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1000.0));
+  command
+      .add_option("--loss-pct", e.loss_pct,
+                  "TCP segments that are lost, of a hundred: what comes after them waits until\n"
+                  "they have been sent again")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 20.0));
+}
+
+void add_tolerance_options(CLI::App& command, Options& o) {
+  AuraTolerances& t = o.experiment.workload.tolerances;
+  command.add_option("--speed-tolerance", t.speed_mps, "m/s, the fastest that auras reckon with")
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 1000.0));
+  command.add_option("--latency-tolerance", t.latency_ms, "ms, likewise the longest latency")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1000.0));
+  command.add_option("--frame-time-tolerance", t.frame_time_ms, "ms, likewise the longest frame")
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 1000.0));
+  command
+      .add_option("--tolerances", o.tolerances,
+                  "fixed: as said; follow: the latency tolerance is what links measure, and more")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"fixed", "follow"}));
+}
+
 }  // namespace
 
 void add_experiment(CLI::App& app, int& exit_code) {
@@ -118,13 +172,14 @@ void add_experiment(CLI::App& app, int& exit_code) {
       "server's frame takes.");
   const auto o = std::make_shared<Options>();
   ExperimentOptions& e = o->experiment;
+  e.workload.layout.clear();
   command
-      ->add_option("layout", e.workload.layout, "column (1 to 10 servers) or corner (1, 3, 4, 9)")
-      ->required()
-      ->check(CLI::IsMember({"column", "corner"}));
+      ->add_option("layout", e.workload.layout,
+                   "column (1 to 10 servers), corner (1, 3, 4, 9), or grid (4, 9, 16 … 64)")
+      ->check(CLI::IsMember({"column", "corner", "grid"}));
   command->add_option("--servers", e.workload.servers, "How many regions")
       ->capture_default_str()
-      ->check(CLI::Range(1, 10));
+      ->check(CLI::Range(1, 64));
   command
       ->add_option("--mode", e.mode,
                    "naive, paper, adaptive: servers that talk, beside single, cut and ideal;\n"
@@ -135,23 +190,31 @@ void add_experiment(CLI::App& app, int& exit_code) {
   command->add_option("--seconds", e.workload.seconds, "World time; bodies come all the while")
       ->capture_default_str()
       ->check(CLI::Range(0.5, 3600.0));
-  command->add_option("--rate", e.workload.rate_per_s, "Bodies a second")
+  command
+      ->add_option("--rate", e.workload.rate_per_s,
+                   "Bodies a second; on a grid, for every four regions")
       ->capture_default_str()
       ->check(CLI::Range(1.0, 10'000.0));
   command->add_option("--seed", e.workload.seed, "Of bodies and network")->capture_default_str();
   command->add_option("--repeat", e.repeats, "Runs of the same, for the mean of their maxima")
       ->capture_default_str()
       ->check(CLI::Range(1, 100));
-  command->add_option("--latency-ms", e.latency_ms, "Longest time of a message")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 1000.0));
-  command->add_option("--jitter-ms", e.jitter_ms, "It takes this much less at most")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 1000.0));
+  add_network_options(*command, e);
+  add_tolerance_options(*command, *o);
   command->add_flag("--single,!--no-single", e.with_single,
-                    "Also run everything on one server, for the speedup (on by default)");
+                    "Also run everything on one server, for the speedup (on by default, but not\n"
+                    "with more than 20,000 bodies)");
+  command->add_flag("--references,!--no-references", e.with_references,
+                    "Also run cut, ideal and single, to compare with (on by default)");
+  command->add_flag("--judge,!--no-judge", e.judged,
+                    "Run it once more for the oracles to look at (on by default)");
   command->add_option("--json", o->json, "Write all figures to this file");
-  command->callback([o, &exit_code] { exit_code = run(*o); });
+  // Beside the layouts: their names are taken for the subcommands'.
+  add_real_time(*command, exit_code);
+  command->callback([command, o, &exit_code] {
+    // A subcommand does its own work.
+    if (command->get_subcommands().empty()) exit_code = run(*o);
+  });
 }
 
 }  // namespace aureole

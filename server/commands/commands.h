@@ -22,6 +22,8 @@ void add_bench(CLI::App& app, int& exit_code);
 void add_bench_scenes(CLI::App& bench, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_experiment(CLI::App& app, int& exit_code);
+/// Of `aureole experiment`.
+void add_real_time(CLI::App& experiment, int& exit_code);
 
 inline constexpr int exit_ok = 0;
 inline constexpr int exit_failed = 1;

@@ -29,6 +29,7 @@ void SimulatedServer::start(SimulatedNetwork& network, Micros now) {
   incarnation_ = Incarnation{incarnation_.value + 1};
   core_ = std::make_unique<RegionCore>(world_, self_, incarnation_);
   if (pace_.snapshots) core_->enable_snapshots();
+  if (pace_.follow_latency) core_->follow_latency();
   core_->profile_steps(profile_.get());
   if (again) {
     const std::span<const std::byte> snapshot =

@@ -19,6 +19,8 @@ struct SimulatedPace {
   bool snapshots = true;
   /// Null: steps are not profiled.
   StepProfile::Clock clock = nullptr;
+  /// The latency tolerance follows what links measure.
+  bool follow_latency = false;
 };
 
 /// Does what server/net/region_server.cpp does, without sockets and clocks: at most two steps in

@@ -187,13 +187,22 @@ void Simulation::after_step(SimulatedServer& server, const SimulatedServer::Step
 }
 
 void Simulation::note_tolerances(Micros now) {
-  const auto limit = static_cast<Micros>(scenario_.world.tolerances.latency_ms * 1000);
+  // A link keeps what both of its ends rely on.
+  const auto limit_ms = [&](const SimulatedServer& s) {
+    return (s.runs() ? s.core().tolerances_in_force() : scenario_.world.tolerances).latency_ms;
+  };
+  AuraTolerances longest = scenario_.world.tolerances;
   for (const SimulatedServer& a : servers_) {
     if (!a.runs()) tolerances_.server_outside(a.self(), now_);
-    for (const SimulatedServer& b : servers_)
-      if (a.self() < b.self() && network_.is_disturbed(a.self().value, b.self().value, now, limit))
+    longest.latency_ms = std::max(longest.latency_ms, limit_ms(a));
+    for (const SimulatedServer& b : servers_) {
+      const auto limit_us = static_cast<Micros>(std::min(limit_ms(a), limit_ms(b)) * 1000);
+      if (a.self() < b.self() &&
+          network_.is_disturbed(a.self().value, b.self().value, now, limit_us))
         tolerances_.link_outside(a.self(), b.self(), now_);
+    }
   }
+  tolerances_.follow(longest);
 }
 
 void Simulation::look() {

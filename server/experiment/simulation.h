@@ -52,6 +52,7 @@ class Simulation {
   SimulatedNetwork& network() { return network_; }
   const InteractionOracle& interactions() const { return interactions_; }
   const OwnershipOracle& ownership() const { return ownership_; }
+  HandoffShadow& shadow() { return shadow_; }
   const std::vector<SeenBody>& seen() const { return seen_; }
   const SimulatedGateway& gateway() const { return gateway_; }
   /// kill -9; it starts again after that time, or never.

@@ -20,7 +20,7 @@ BareWorlds::BareWorlds(const WorldDefinition& world, Crossing crossing, StepProf
   for (const auto& piece : world.statics) statics_.push_back(piece.body);
   worlds_.reserve(world.regions.size());
   for (std::size_t r = 0; r < world.regions.size(); ++r)
-    worlds_.emplace_back(world.physics, definitions_, statics_);
+    worlds_.emplace_back(world.physics, definitions_, statics_, bodies_expected_by(world));
 }
 
 void BareWorlds::tick() {

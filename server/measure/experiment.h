@@ -4,8 +4,9 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
-#include "server/measure/run_record.h"
+#include "server/base/result.h"
 #include "server/measure/workload.h"
 
 namespace aureole {
@@ -18,9 +19,23 @@ struct ExperimentOptions {
   int repeats = 1;
   double latency_ms = 2;  ///< Longest, one way.
   double jitter_ms = 1;   ///< It is this much less at most.
-  /// Whether modes of servers that talk are also run as `single`, for the speedup.
+  double loss_pct = 0;    ///< Of TCP segments; see PacketLoss.
+  /// The latency tolerance follows what links measure (FollowedLatency).
+  bool follow_latency = false;
+  /// Whether modes of servers that talk are also run as `cut` and `ideal`.
+  bool with_references = true;
+  /// Whether they are also run as `single`, for the speedup; not if there are more bodies than
+  /// `single_bodies_max`.
   bool with_single = true;
+  /// Whether the run is taken once more for the oracles to look at.
+  bool judged = true;
 };
+
+/// One server for more would take longer than anybody waits, and be of no use to compare with.
+inline constexpr double single_bodies_max = 20'000;
+
+/// The mode asked for, then those that run beside it.
+std::vector<std::string> runs_of(const ExperimentOptions& options);
 
 /// Runs the experiment in this thread. `progress` hears a sentence now and then. The repeats of a
 /// run differ in their times only.

@@ -7,11 +7,23 @@
 
 #include "server/measure/region_servers.h"
 #include "server/measure/run_record.h"
+#include "server/measure/wire_census.h"
 
 namespace aureole {
 
+/// How far handoffs moved bodies; see HandoffShadow.
+struct HandoffJumps {
+  std::size_t samples = 0;
+  double p99_mm = 0, max_mm = 0;
+  static HandoffJumps of(std::vector<double> jumps_mm);
+};
+
 struct Judgement {
   std::vector<std::uint64_t> missed, missed_in_tolerance;  ///< By bucket; see InteractionOracle.
+  std::vector<HandoffJumps> jumps;                         ///< By bucket.
+  HandoffJumps all_jumps;
+  std::vector<WireCounts> wire;  ///< By bucket.
+  WireCounts all_wire;
   std::uint64_t bodies_lost = 0, bodies_duplicated = 0;
   std::uint64_t state_hash = 0;         ///< At the end: that of the measured run.
   std::vector<std::string> violations;  ///< The first few of each rule, as sentences.

@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <ctime>
 #include <numeric>
+#include <optional>
 #include <vector>
 
 #include "server/region/step_profile.h"
+#include "server/region/tolerances.h"
 
 namespace aureole {
 
@@ -51,6 +53,12 @@ class MeasuredRun {
   /// Of the last tick, one for each server.
   virtual const std::vector<FrameTime>& frames() const = 0;
   virtual std::vector<ServerLoad> loads() const = 0;
+  /// By ToleranceEvent::Kind: whether any server was outside of it at the end of the last tick. How
+  /// long frames took is not known there. Nothing where nobody keeps tolerances.
+  using Outside = std::array<bool, ToleranceEvent::kinds>;
+  virtual std::optional<Outside> outside_tolerances() const { return {}; }
+  /// The longest latency tolerance that any server keeps (ms).
+  virtual std::optional<double> latency_tolerance_ms() const { return {}; }
   /// Changes of owner since the start.
   virtual std::uint64_t migrations() const = 0;
   /// Links that carried anything.

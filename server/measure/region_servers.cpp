@@ -1,6 +1,8 @@
 // The fault simulation without faults, at an even pace.
 #include "server/measure/region_servers.h"
 
+#include <algorithm>
+
 #include "server/base/hash.h"
 
 namespace aureole {
@@ -12,7 +14,7 @@ RegionServers::RegionServers(WorldDefinition world, const Options& options)
   SimulationOptions o;
   o.scenario.seed = options.seed;
   o.network = options.network;
-  o.pace = {true, false, options.clock};
+  o.pace = {true, false, options.clock, options.follow_latency};
   o.judged = options.judged;
   simulation_ = std::make_unique<Simulation>(Scenario{std::move(world), "measured", 0}, o);
 }
@@ -37,6 +39,21 @@ std::vector<ServerLoad> RegionServers::loads() const {
     }
   }
   return loads;
+}
+
+std::optional<MeasuredRun::Outside> RegionServers::outside_tolerances() const {
+  Outside outside{};
+  for (int r = 0; r < count_; ++r)
+    for (const ToleranceEvent& event : servers().server(r).core().outside_tolerances())
+      outside[static_cast<std::size_t>(event.kind)] = true;
+  return outside;
+}
+
+std::optional<double> RegionServers::latency_tolerance_ms() const {
+  double longest_ms = 0;
+  for (int r = 0; r < count_; ++r)
+    longest_ms = std::max(longest_ms, servers().server(r).core().tolerances_in_force().latency_ms);
+  return longest_ms;
 }
 
 std::uint64_t RegionServers::migrations() const {

@@ -18,18 +18,22 @@ class RegionServers final : public MeasuredRun {
     NetworkTiming network{2000, 1000};
     StepProfile::Clock clock = nullptr;  ///< Null: frames take no time.
     bool judged = false;                 ///< By the oracles, which costs more than the run.
+    bool follow_latency = false;         ///< Else the world's tolerance stands.
   };
   RegionServers(WorldDefinition world, const Options& options);
 
   void tick() override;
   const std::vector<FrameTime>& frames() const override { return frames_; }
   std::vector<ServerLoad> loads() const override;
+  std::optional<Outside> outside_tolerances() const override;
+  std::optional<double> latency_tolerance_ms() const override;
   std::uint64_t migrations() const override;
   std::vector<LinkTraffic> traffic() const override;
   std::uint64_t state_hash() const override;
   std::uint64_t refused_messages() const override;
 
   const Simulation& simulation() const { return *simulation_; }
+  Simulation& simulation() { return *simulation_; }
 
  private:
   /// Reads only: the simulation's accessors are those of tests, which step through it.

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <vector>
 
+#include "server/aura/aura_radius.h"
 #include "server/base/tick.h"
 #include "server/measure/measured_run.h"
 
@@ -32,7 +34,8 @@ class BucketClock {
 /// Frame times of all repeats, counts of the last one (they are the same in each).
 class RunRecord {
  public:
-  RunRecord(std::size_t servers, double seconds);
+  RunRecord(std::size_t servers, double seconds,
+            double frame_limit_ms = AuraTolerances{}.frame_time_ms);
 
   void begin_repeat();
   /// After each tick of the run.
@@ -42,21 +45,33 @@ class RunRecord {
   /// The busiest server's mean frame in the buckets from `first` to the end, or to `end`.
   FrameTime worst_server(std::size_t first, std::size_t end) const;
   FrameTime worst_server(std::size_t bucket) const { return worst_server(bucket, bucket + 1); }
+  /// The mean frame of the server that half of all do not pass, in the same buckets.
+  double median_server_ms(std::size_t first, std::size_t end) const;
   nlohmann::json to_json(std::size_t bucket) const;
+  /// Of the buckets from `first` to `end`: how often tolerances were kept, by ticks.
+  nlohmann::json tolerances(std::size_t first, std::size_t end) const;
 
  private:
   struct Bucket {
-    std::uint64_t ticks = 0;           ///< Of all repeats.
-    std::vector<FrameTime> sums_ms;    ///< By server.
-    std::vector<double> maxima_ms;     ///< By repeat, of all servers.
-    std::vector<float> frames_ms;      ///< All of them.
-    std::vector<ServerLoad> loads;     ///< At the bucket's end, like all that follows.
-    std::vector<LinkTraffic> traffic;  ///< Since the start.
-    std::uint64_t migrations = 0;      ///< Since the start.
+    std::uint64_t ticks = 0;         ///< Of all repeats.
+    std::vector<FrameTime> sums_ms;  ///< By server.
+    std::vector<double> maxima_ms;   ///< By repeat, of all servers.
+    std::vector<float> frames_ms;    ///< All of them.
+    /// Ticks in which any server was outside of each tolerance, and of any.
+    std::array<std::uint64_t, ToleranceEvent::kinds> outside{};
+    std::uint64_t outside_any = 0;
+    bool keeps_tolerances = false;
+    std::optional<double> latency_tolerance_ms;  ///< At the end.
+    std::vector<ServerLoad> loads;               ///< At the bucket's end, like all that follows.
+    std::vector<LinkTraffic> traffic;            ///< Since the start.
+    std::uint64_t migrations = 0;                ///< Since the start.
   };
   nlohmann::json links(std::size_t bucket) const;
+  void note_tolerances(Bucket& bucket, const MeasuredRun& run, double longest_frame_ms) const;
+  std::vector<FrameTime> means(std::size_t first, std::size_t end) const;
 
   BucketClock clock_;
+  double frame_limit_ms_;
   std::vector<Bucket> buckets_;
 };
 

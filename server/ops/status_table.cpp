@@ -36,6 +36,7 @@ RegionStatus region_from(const nlohmann::json& json) {
   out.frame_ms_max = json.at("frame_ms_max").get<double>();
   out.migrations_in = json.at("migrations_in").get<std::int64_t>();
   out.migrations_out = json.at("migrations_out").get<std::int64_t>();
+  out.skipped_ticks = json.value("skipped_ticks", std::int64_t{0});
   if (const auto outside = json.find("outside"); outside != json.end())
     for (const auto& mark : *outside) out.outside.push_back(mark_from(mark));
   return out;

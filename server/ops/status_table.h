@@ -25,6 +25,7 @@ struct RegionStatus {
   std::int64_t bodies = 0, awake = 0;
   double frame_ms_p50 = 0, frame_ms_max = 0;
   std::int64_t migrations_in = 0, migrations_out = 0;
+  std::int64_t skipped_ticks = 0;  ///< Left out since its start, because it was behind.
   std::vector<ToleranceMark> outside;
 };
 

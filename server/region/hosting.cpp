@@ -40,7 +40,7 @@ Hosting::Hosting(const WorldDefinition& world, RegionId self, Incarnation incarn
       incarnation_(incarnation),
       definitions_(definitions_of(world)),
       statics_(statics_of(world)),
-      physics_(world.physics, definitions_, statics_) {
+      physics_(world.physics, definitions_, statics_, bodies_expected_by(world)) {
   for (const BodyDefinition& definition : definitions_)
     radii_.push_back(bounding_radius(definition.shape));
 }

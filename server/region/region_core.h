@@ -8,6 +8,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -20,6 +21,7 @@
 #include "server/base/result.h"
 #include "server/base/tick.h"
 #include "server/region/aura_exchange.h"
+#include "server/region/followed_latency.h"
 #include "server/region/handoff/handoff.h"
 #include "server/region/handoff/journal.h"
 #include "server/region/hosting.h"
@@ -90,6 +92,12 @@ class RegionCore {
   std::span<const ToleranceEvent> tolerance_events() const { return tolerances_.events(); }
   /// What is outside its tolerance now, the worst of each kind.
   std::vector<ToleranceEvent> outside_tolerances() const { return tolerances_.outside(); }
+
+  /// From now on the latency tolerance is not the world's but follows what links measure. What
+  /// players do is still announced as early as the world's tolerances ask for.
+  void follow_latency() { followed_latency_.emplace(world_.tolerances); }
+  /// What auras are sized by now.
+  const AuraTolerances& tolerances_in_force() const { return tolerances_.limits(); }
 
   /// From now on what has been taken counts as durable only once it is in a snapshot that has been
   /// written. Without snapshots it counts as durable at once, and is lost if this process dies.
@@ -182,6 +190,7 @@ class RegionCore {
   std::vector<RegionId> closed_regions() const;
   SharedBytes status_frame(Tick now, const ShellMeasurements& measured) const;
   SharedBytes acknowledgement(Peer& peer);
+  void judge_tolerances(Tick now, const ShellMeasurements& measured);
 
   // region/recovery/: snapshots, answers to those who recover, and our own recovery.
   SnapshotOwner snapshot_owner() const;
@@ -234,6 +243,7 @@ class RegionCore {
   std::unique_ptr<Recovery> recovery_;
   std::set<BodyId> made_before_;  ///< Injected by an earlier start after its last snapshot.
   Tolerances tolerances_;
+  std::optional<FollowedLatency> followed_latency_;
   FastestBody fastest_;     ///< Of the last step.
   RegionStatistics extra_;  ///< Only the counts that nobody else keeps.
   StepProfile* profile_ = nullptr;

@@ -61,7 +61,7 @@ void RegionCore::foresee_deeds(std::vector<HostedBody>& hosted, Tick now) {
   for (const Avatar* avatar : players_.avatars()) {
     const auto body = index_of(hosted, avatar->body());
     if (!body) continue;
-    const AuraBox reach = struck_aura(hosted[*body], speed, reach_time_s(world_.tolerances));
+    const AuraBox reach = struck_aura(hosted[*body], speed, reach_time_s(tolerances_.limits()));
     const auto remote = aura_exchange_.remote();
     players_.note_company(avatar->player,
                           std::any_of(remote.begin(), remote.end(),
@@ -104,7 +104,7 @@ std::vector<HostedBody> RegionCore::hosted_bodies(Tick now) {
     body.asleep = state.activation == Activation::asleep;
     body.still_ticks = hosting_.note_stillness(id, body.surface_speed_mps, now);
     body.pressed = stand_in_watch_.is_pressed(id, now);
-    if (body.still_ticks == 0) nearby_geometry_.look(body, reach_time_s(world_.tolerances));
+    if (body.still_ticks == 0) nearby_geometry_.look(body, reach_time_s(tolerances_.limits()));
     if (leader != leaders.end()) body.leader = leader->second;
     body.changed_owner = hosting_.changed_owner(id);
   }

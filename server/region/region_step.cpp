@@ -63,11 +63,20 @@ void RegionCore::step(Tick now, const ShellMeasurements& measured) {
   enter(StepProfile::Part::wire);
   send_player_output();
   note_traces(now);
-  tolerances_.step(now, measured.last_frame_ms, fastest_);
+  judge_tolerances(now, measured);
   publish(now, update, measured);
   last_tick_ = now;
   started_ = true;
   make_snapshot(now);
+}
+
+void RegionCore::judge_tolerances(Tick now, const ShellMeasurements& measured) {
+  tolerances_.step(now, measured.last_frame_ms, fastest_);
+  if (!followed_latency_) return;
+  const auto changed = followed_latency_->step(now, tolerances_.longest_latency_ms());
+  if (!changed) return;
+  tolerances_.set_limits(*changed);
+  policy_->set_tolerances(*changed);
 }
 
 void RegionCore::take_in(Tick now) {

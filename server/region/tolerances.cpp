@@ -33,12 +33,23 @@ std::string_view name_of(ToleranceEvent::Kind kind) {
   return "link";
 }
 
-Tolerances::Tolerances(const AuraTolerances& limits, RegionId self, std::size_t region_count)
-    : limits_(limits),
-      flight_ticks_(static_cast<std::int64_t>(steps_in_flight(limits))),
-      settle_ticks_(std::max(3 * flight_ticks_ - 1, settle_ticks_min)) {
+Tolerances::Tolerances(const AuraTolerances& limits, RegionId self, std::size_t region_count) {
+  set_limits(limits);
   for (std::size_t i = 0; i < region_count; ++i)
     if (i != self.value) links_[RegionId{static_cast<std::uint16_t>(i)}];
+}
+
+void Tolerances::set_limits(const AuraTolerances& limits) {
+  limits_ = limits;
+  flight_ticks_ = static_cast<std::int64_t>(steps_in_flight(limits));
+  settle_ticks_ = std::max(3 * flight_ticks_ - 1, settle_ticks_min);
+}
+
+double Tolerances::longest_latency_ms() const {
+  double longest_ms = 0;
+  for (const auto& [peer, link] : links_)
+    if (!link.latency_ms.empty()) longest_ms = std::max(longest_ms, link.latency_ms.front().second);
+  return longest_ms;
 }
 
 void Tolerances::link_up(RegionId peer) {

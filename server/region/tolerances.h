@@ -52,6 +52,12 @@ class Tolerances {
   /// All `region_count` regions but `self` are peers.
   Tolerances(const AuraTolerances& limits, RegionId self, std::size_t region_count);
 
+  /// From the next step on these are kept.
+  void set_limits(const AuraTolerances& limits);
+  const AuraTolerances& limits() const { return limits_; }
+  /// The longest estimate of any link; 0 while nothing has been measured.
+  double longest_latency_ms() const;
+
   void link_up(RegionId peer);
   void link_down(RegionId peer);
   /// One way. Finite, ≥ 0.
@@ -95,8 +101,8 @@ class Tolerances {
   void judge_word(RegionId peer, Link& link, Tick now);
 
   AuraTolerances limits_;
-  std::int64_t flight_ticks_;
-  std::int64_t settle_ticks_;
+  std::int64_t flight_ticks_ = 0;
+  std::int64_t settle_ticks_ = 0;
   std::map<RegionId, Link> links_;
   Kept speed_, frame_time_;
   Tick last_;

@@ -1,6 +1,7 @@
 // A world as plain data: what a world file says after it has been read, checked and completed.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -108,6 +109,14 @@ struct WorldDefinition {
   PrototypeId avatar;      ///< Upright capsule.
   std::uint64_t hash = 0;  ///< Over everything above; servers of one world agree on it.
 };
+
+/// What one region's physics makes room for from the beginning: twice its share of the world, which
+/// may grow. Room for everything in each of 64 regions would be gigabytes.
+inline std::size_t bodies_expected_by(const WorldDefinition& world) {
+  constexpr std::size_t least = 1024, most = 8192;
+  const std::size_t share = world.max_bodies / std::max<std::size_t>(1, world.regions.size());
+  return std::clamp(2 * share, least, most);
+}
 
 /// The region whose area holds the point. Areas tile the plane, so there is always exactly one.
 RegionId region_at(const std::vector<RegionDefinition>& regions, double x, double z);

@@ -44,6 +44,10 @@ class AdaptivePolicy final : public MigrationPolicy {
  public:
   explicit AdaptivePolicy(const AuraTolerances& tolerances) : outlook_(reach_time_s(tolerances)) {}
 
+  void set_tolerances(const AuraTolerances& tolerances) override {
+    outlook_.set_reach(reach_time_s(tolerances));
+  }
+
   MigrationDecision decide(const MigrationSituation& s) override {
     outlook_.look(s);
     clusters_.begin(s, outlook_);

@@ -19,6 +19,11 @@ class Outlook {
   /// \param reach_s  reach_time_s() of the world's tolerances
   explicit Outlook(double reach_s) : reach_s_(reach_s), forecast_(reach_s) {}
 
+  /// From the next look on.
+  void set_reach(double reach_s) {
+    reach_s_ = reach_s;
+    forecast_ = BlowForecast(reach_s);
+  }
   void look(const MigrationSituation& situation);
 
   /// Whether the body lies still and expects no blow.

@@ -20,6 +20,7 @@ SimulatedNetwork::SimulatedNetwork(int ends, NetworkTiming timing, std::uint64_t
     : ends_(static_cast<std::size_t>(ends)),
       timing_(timing),
       random_(seed, 1),
+      loss_(timing.loss_share, 2 * timing.latency_us, seed),
       running_(ends_),
       channels_(ends_ * ends_),
       links_(ends_ * ends_) {}
@@ -40,6 +41,7 @@ Micros SimulatedNetwork::transit_us() {
 
 void SimulatedNetwork::push(End from, End to, Item item) {
   Channel& c = channel(from, to);
+  item.alone_us = item.ready_us;
   item.ready_us = std::max(item.ready_us, c.last_ready_us);
   c.last_ready_us = item.ready_us;
   item.what.from = from;
@@ -69,6 +71,7 @@ void SimulatedNetwork::kill(End end, Micros now) {
     channel(end, other).known_generation = 0;
     channel(other, end).held_until_us = 0;
     channel(other, end).last_ready_us = 0;
+    channel(other, end).taken_ready_us = 0;
   }
 }
 
@@ -84,6 +87,7 @@ void SimulatedNetwork::break_link(End a, End b, Micros now, std::optional<End> d
     });
     frames_lost_ += frames;
     c.ping = {};
+    c.unnoticed = 0;
     c.last_ready_us = c.items.empty() ? now : c.items.back().ready_us;
     if (!was_up || to == dead) continue;
     Item item;
@@ -127,12 +131,39 @@ void SimulatedNetwork::send(End from, End to, SharedBytes frame, Micros now) {
   Traffic& traffic = channel(from, to).traffic;
   ++traffic.messages;
   traffic.bytes += frame->size();
+  if (watcher_) watcher_(from, to, frame);
   Item item;
   item.what.kind = Delivery::Kind::frame;
   item.what.frame = std::move(frame);
   item.sent_us = now;
   item.ready_us = now + transit_us();
+  if (loss_.any()) lose(channel(from, to), item, now);
   push(from, to, std::move(item));
+}
+
+/// Draws what becomes of a frame; if it arrives, the sender learns of what was lost before.
+void SimulatedNetwork::lose(Channel& c, Item& item, Micros now) {
+  const PacketLoss::Fate fate = loss_.draw(item.what.frame->size());
+  const Micros sent_again_us = now + timing_.latency_us + fate.again_us;
+  if (!fate.last_lost && c.unnoticed > 0) {
+    Micros ready_us = c.taken_ready_us;
+    for (Item& before : c.items) {
+      if (before.unnoticed)
+        before.alone_us = std::min(
+            before.alone_us, now + loss_.noticed_after_us() + timing_.latency_us + before.again_us);
+      before.unnoticed = false;
+      ready_us = std::max(ready_us, before.alone_us);
+      before.ready_us = ready_us;
+    }
+    c.last_ready_us = ready_us;
+    c.unnoticed = 0;
+  }
+  if (!fate.lost) return;
+  ++frames_sent_again_;
+  item.unnoticed = fate.last_lost;
+  item.again_us = fate.again_us;
+  c.unnoticed += fate.last_lost ? 1 : 0;
+  item.ready_us = sent_again_us + (fate.last_lost ? loss_.timer_us() : loss_.noticed_after_us());
 }
 
 std::vector<Delivery> SimulatedNetwork::take(End to, Micros now) {
@@ -144,13 +175,19 @@ std::vector<Delivery> SimulatedNetwork::take(End to, Micros now) {
     while (!c.items.empty() && c.items.front().ready_us <= now) {
       Item& item = c.items.front();
       item.what.arrived_us = std::max(item.ready_us, c.held_until_us);
-      if (item.what.kind == Delivery::Kind::frame &&
-          item.what.arrived_us - item.sent_us > timing_.latency_us)
+      const Micros took_us = item.what.arrived_us - item.sent_us;
+      const bool forgotten = now - c.late_at_us >= late_memory_us || c.late_at_us < 0;
+      if (item.what.kind == Delivery::Kind::frame && took_us > timing_.latency_us &&
+          (forgotten || took_us >= c.late_by_us)) {
         c.late_at_us = now;
+        c.late_by_us = took_us;
+      }
       // What this end sends from now on goes over the link that it has just learned of.
       if (item.what.kind == Delivery::Kind::up)
         channel(to, from).known_generation = item.generation;
       if (item.what.kind == Delivery::Kind::down) channel(to, from).known_generation = 0;
+      if (item.unnoticed) --c.unnoticed;
+      c.taken_ready_us = item.ready_us;
       taken.push_back(std::move(item.what));
       c.items.pop_front();
     }
@@ -177,7 +214,7 @@ void SimulatedNetwork::advance(Micros now) {
       for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
         Channel& c = channel(from, to);
         if (ping && !c.ping.under_way && c.known_generation == l.generation)
-          c.ping = {true, false, now, now + transit_us()};
+          c.ping = {true, false, now, now + transit_us(), now, 0};
         if (c.ping.under_way) advance_ping(from, to, now);
       }
     }
@@ -188,12 +225,18 @@ void SimulatedNetwork::advance_ping(End from, End to, Micros now) {
   Ping& ping = channel(from, to).ping;
   // Out over the one channel, back over the other; each may be held.
   if (!ping.returning) {
-    const Micros out = std::max(ping.ready_us, channel(from, to).held_until_us);
+    if (waits_behind_loss(channel(from, to), ping, now)) return;
+    const Micros out =
+        std::max({ping.ready_us, channel(from, to).held_until_us, std::min(ping.behind_us, now)});
     if (out > now) return;
     ping.returning = true;
+    ping.left_us = out;
     ping.ready_us = out + transit_us();
+    ping.behind_us = 0;
   }
-  const Micros back = std::max(ping.ready_us, channel(to, from).held_until_us);
+  if (waits_behind_loss(channel(to, from), ping, now)) return;
+  const Micros back =
+      std::max({ping.ready_us, channel(to, from).held_until_us, std::min(ping.behind_us, now)});
   if (back > now) return;
   ping.under_way = false;
   Item item;
@@ -203,12 +246,26 @@ void SimulatedNetwork::advance_ping(End from, End to, Micros now) {
   push(to, from, std::move(item));
 }
 
+/// Frames that left before the ping arrive before it.
+bool SimulatedNetwork::waits_behind_loss(const Channel& c, Ping& ping, Micros now) const {
+  if (!loss_.any() || c.items.empty()) return false;
+  const Item& first = c.items.front();
+  if (first.sent_us > ping.left_us || first.ready_us <= now) return false;
+  // May still become earlier.
+  ping.behind_us = first.ready_us;
+  return true;
+}
+
 bool SimulatedNetwork::is_disturbed(End a, End b, Micros now, Micros limit_us) const {
   if (!link(a, b).up || timing_.latency_us > limit_us) return true;
   for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
     const Channel& c = channel(from, to);
     if (c.held_until_us > now) return true;
-    if (c.late_at_us >= 0 && now - c.late_at_us < late_memory_us) return true;
+    if (!c.items.empty() && now - c.items.front().sent_us > limit_us &&
+        c.items.front().ready_us > now)
+      return true;
+    if (c.late_at_us >= 0 && c.late_by_us > limit_us && now - c.late_at_us < late_memory_us)
+      return true;
     if (c.known_generation != link(a, b).generation) return true;
   }
   return false;

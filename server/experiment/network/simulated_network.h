@@ -4,12 +4,14 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <vector>
 
 #include "protocol/frame.h"
 #include "server/base/ids.h"
+#include "server/experiment/network/packet_loss.h"
 #include "server/experiment/random.h"
 
 namespace aureole {
@@ -24,6 +26,7 @@ using End = int;
 struct NetworkTiming {
   Micros latency_us = 2000;  ///< Longest time that an undisturbed message takes, one way.
   Micros jitter_us = 0;      ///< It takes this much less at most, uniformly.
+  double loss_share = 0;     ///< Of TCP segments, 0 … 1; see PacketLoss.
 };
 
 /// What reaches an end: a link that comes or goes, a frame, or the answer to a ping.
@@ -39,7 +42,8 @@ struct Delivery {
 
 /// One channel for each ordered pair of ends. A link (both channels of a pair) is up or down; while
 /// it is down, or for a sender that has not noticed yet that it was reset, frames are lost. Ends
-/// learn of resets and of new links through their deliveries, in order with the frames.
+/// learn of resets and of new links through their deliveries, in order with the frames. Pings and
+/// what comes and goes of links is never lost itself, but waits behind what is.
 class SimulatedNetwork {
  public:
   SimulatedNetwork(int ends, NetworkTiming timing, std::uint64_t seed);
@@ -66,6 +70,12 @@ class SimulatedNetwork {
   /// tolerance `limit_us` that oracles excuse things by.
   bool is_disturbed(End a, End b, Micros now, Micros limit_us) const;
   std::uint64_t frames_lost() const { return frames_lost_; }
+  /// Frames of which a segment had to be sent again.
+  std::uint64_t frames_sent_again() const { return frames_sent_again_; }
+
+  /// Told of every frame that is given to a link.
+  using Watcher = std::function<void(End from, End to, const SharedBytes& frame)>;
+  void watch(Watcher watcher) { watcher_ = std::move(watcher); }
 
   /// Frames that were given to a link since the start.
   struct Traffic {
@@ -79,17 +89,25 @@ class SimulatedNetwork {
     Micros ready_us = 0;
     Micros sent_us = 0;
     std::uint64_t generation = 0;
+    Micros alone_us = 0;     ///< When it would be ready if it did not have to wait for others.
+    bool unnoticed = false;  ///< It was lost, and nothing that came later has told the sender.
+    Micros again_us = 0;     ///< See PacketLoss::Fate.
   };
   struct Ping {
     bool under_way = false, returning = false;
     Micros sent_us = 0, ready_us = 0;
+    Micros left_us = 0;    ///< On its present way.
+    Micros behind_us = 0;  ///< When that which it waits behind is ready.
   };
   struct Channel {
     std::deque<Item> items;
     Micros last_ready_us = 0;
+    Micros taken_ready_us = 0;  ///< Of the item that was taken last.
+    std::size_t unnoticed = 0;  ///< Items.
     Micros held_until_us = 0;
     std::uint64_t known_generation = 0;  ///< Of the link, as its sending end knows it; 0: none.
-    Micros late_at_us = -1;              ///< When something last arrived later than undisturbed.
+    Micros late_at_us = -1;              ///< When something last arrived later than undisturbed,
+    Micros late_by_us = 0;               ///< so long after it was sent: the longest of late.
     Ping ping;
     Traffic traffic;
   };
@@ -108,6 +126,8 @@ class SimulatedNetwork {
   const Link& link(End a, End b) const;
   Micros transit_us();
   void push(End from, End to, Item item);
+  void lose(Channel& channel, Item& item, Micros now);
+  bool waits_behind_loss(const Channel& channel, Ping& ping, Micros now) const;
   void break_link(End a, End b, Micros now, std::optional<End> dead);
   void dial(End a, End b, Micros now, bool at_once);
   void advance_ping(End from, End to, Micros now);
@@ -115,11 +135,13 @@ class SimulatedNetwork {
   std::size_t ends_;
   NetworkTiming timing_;
   Random random_;
+  PacketLoss loss_;
+  Watcher watcher_;
   std::vector<std::optional<Incarnation>> running_;
   std::vector<Channel> channels_;
   std::vector<Link> links_;
   Micros next_ping_us_ = 0;
-  std::uint64_t frames_lost_ = 0;
+  std::uint64_t frames_lost_ = 0, frames_sent_again_ = 0;
 };
 
 }  // namespace aureole

@@ -37,6 +37,9 @@ class HandoffShadow {
   /// A server has just stepped: whatever it has now that is being followed is compared.
   void stepped(RegionId receiver, Tick tick, const RegionCore& core, bool players_act);
 
+  /// Follows up to sampled_max handoffs more from now on.
+  void sample_anew() { sampled_ = 0; }
+
   void report(SeedResult& result) const;
   const std::vector<double>& jumps_mm() const { return jumps_mm_; }
 

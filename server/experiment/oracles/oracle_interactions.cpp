@@ -152,8 +152,7 @@ bool InteractionOracle::is_newborn(BodyId id, Tick tick) const {
   const auto born = ownership_.born(id);
   const bool comes_unannounced =
       id.kind() == BodyId::Kind::injected || id.kind() == BodyId::Kind::world;
-  return born && comes_unannounced &&
-         tick - *born <= ToleranceRecord::flight_ticks(world_.tolerances);
+  return born && comes_unannounced && tick - *born <= tolerances_.flight_ticks();
 }
 
 void InteractionOracle::stand_ins_struck(RegionId region, Tick tick, std::uint64_t count) {

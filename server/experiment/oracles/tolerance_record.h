@@ -23,15 +23,14 @@ class ToleranceRecord {
 
   ToleranceRecord(std::size_t regions, const AuraTolerances& tolerances)
       : regions_(regions),
-        // T_T + 1 s: as long as what began outside is excused at most.
-        window_(ticks_from_ms(1000) + flight_ticks(tolerances)),
+        flight_ticks_(flight_ticks_of(tolerances)),
         servers_(regions, long_ago),
         links_(regions * regions, long_ago) {}
 
-  /// T_T in ticks.
-  static std::int64_t flight_ticks(const AuraTolerances& t) {
-    return static_cast<std::int64_t>(3 * steps_in_flight(t)) - 1;
-  }
+  /// T_T of the tolerances in force, in ticks.
+  std::int64_t flight_ticks() const { return flight_ticks_; }
+  /// Servers whose tolerances follow the latency have so long ones now, the longest counts.
+  void follow(const AuraTolerances& tolerances) { flight_ticks_ = flight_ticks_of(tolerances); }
 
   void server_outside(RegionId region, Tick at) {
     Tick& last = servers_[region.value];
@@ -59,13 +58,17 @@ class ToleranceRecord {
       last = std::max(last, link(region, RegionId{other}));
     return last;
   }
-  bool excuses(Tick outside, Tick now) const { return now - outside <= window_; }
-  std::int64_t window_ticks() const { return window_; }
+  bool excuses(Tick outside, Tick now) const { return now - outside <= window_ticks(); }
+  /// T_T + 1 s: as long as what began outside is excused at most.
+  std::int64_t window_ticks() const { return ticks_from_ms(1000) + flight_ticks_; }
 
  private:
+  static std::int64_t flight_ticks_of(const AuraTolerances& t) {
+    return static_cast<std::int64_t>(3 * steps_in_flight(t)) - 1;
+  }
   std::size_t place(RegionId a, RegionId b) const { return a.value * regions_ + b.value; }
   std::size_t regions_;
-  std::int64_t window_;
+  std::int64_t flight_ticks_;
   std::vector<Tick> servers_;
   std::vector<Tick> links_;
 };

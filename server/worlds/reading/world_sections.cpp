@@ -166,7 +166,7 @@ void read_injectors(const JsonNode& node, WorldReading& reading) {
     }
     if (const auto s = item.find("seed"))
       out.seed = static_cast<std::uint64_t>(s->integer(0, 9'007'199'254'740'991));
-    out.start_s = optional_number(item, "start_s", 0, {0, 1e9, "s"});
+    out.start_s = optional_number(item, "start_s", 0, {-1e9, 1e9, "s"});
     out.duration_s = optional_number(item, "duration_s", out.duration_s, {0, 1e9, "s", true});
     if (!node.ok()) return;
     reading.world.injectors.push_back(std::move(out));

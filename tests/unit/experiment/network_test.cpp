@@ -1,4 +1,6 @@
 // The simulated network keeps TCP's contract and nothing more.
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "server/experiment/network/simulated_network.h"
@@ -116,4 +118,101 @@ TEST_CASE("a ping measures the latency, and the time that a stall held it") {
   const auto held = measured(1001 * ms, 1500 * ms);
   REQUIRE_FALSE(held.empty());
   REQUIRE(held.front() > 20);
+}
+
+TEST_CASE("a lost segment holds up what comes after it until it has been sent again, in order") {
+  // Nothing gets through at once: everything waits for a retransmission or for one before it.
+  Pair lossy({2 * ms, 0, 0.3});
+  std::vector<Delivery> all;
+  constexpr int frames = 200;
+  for (int n = 0; n < frames; ++n) {
+    const Micros at = (n + 1) * 16 * ms;
+    lossy.network.send(0, 1, numbered(static_cast<std::uint8_t>(n)), at);
+    for (Delivery& d : lossy.watch(1, at, at + 15 * ms)) all.push_back(std::move(d));
+  }
+  for (Delivery& d : lossy.watch(1, (frames + 1) * 16 * ms, 30'000 * ms))
+    all.push_back(std::move(d));
+  std::vector<int> expected;
+  for (int n = 0; n < frames; ++n) expected.push_back(n);
+  REQUIRE(numbers(all) == expected);
+  REQUIRE(lossy.network.frames_sent_again() == Approx(frames * 0.3).margin(20));
+}
+
+namespace {
+
+/// Looks for a run in which exactly the first frame is lost, and says how long it took.
+Micros took_us(bool followed, Micros latency_us) {
+  for (std::uint64_t seed = 1; seed < 200; ++seed) {
+    SimulatedNetwork network(3, {latency_us, 0, 0.2}, seed);
+    for (End end = 0; end < 2; ++end) network.start(end, Incarnation{1}, 0);
+    for (End end = 0; end < 2; ++end) network.take(end, 0);
+    network.send(0, 1, numbered(1), 0);
+    const bool lost = network.frames_sent_again() == 1;
+    if (followed) network.send(0, 1, numbered(2), 16 * ms);
+    if (!lost || network.frames_sent_again() != 1) continue;
+    for (Micros at = 0; at < 2000 * ms; at += ms / 2) {
+      const auto got = network.take(1, at);
+      if (got.empty()) continue;
+      // What came after it has waited for it.
+      REQUIRE(got.size() == (followed ? 2 : 1));
+      REQUIRE(network.is_disturbed(0, 1, at, latency_us));
+      if (got.front().arrived_us < 400 * ms) return got.front().arrived_us;
+      break;  // Lost twice.
+    }
+  }
+  return -1;
+}
+
+}  // namespace
+
+TEST_CASE("what is followed is sent again 5/4 round trips later, what is not by the timer") {
+  CHECK(took_us(true, 2 * ms) == 16 * ms + 5 * ms + 2 * ms);
+  CHECK(took_us(false, 2 * ms) == 204 * ms + 2 * ms);
+  CHECK(took_us(true, 40 * ms) == 16 * ms + 100 * ms + 40 * ms);
+  CHECK(took_us(false, 40 * ms) == 280 * ms + 40 * ms);
+}
+
+TEST_CASE("a frame of many segments is lost more often, and knows of it by its own last one") {
+  PacketLoss loss(0.01, 4 * ms, 3);
+  int small = 0, large = 0, noticed = 0;
+  for (int n = 0; n < 4000; ++n) {
+    small += loss.draw(PacketLoss::segment_bytes).lost ? 1 : 0;
+    const PacketLoss::Fate fate = loss.draw(20 * PacketLoss::segment_bytes);
+    large += fate.lost ? 1 : 0;
+    noticed += fate.lost && !fate.last_lost ? 1 : 0;
+  }
+  CHECK(small == Approx(40).margin(20));
+  CHECK(large == Approx(4000 * (1 - std::pow(0.99, 20))).margin(80));
+  CHECK(noticed == Approx(large * 19 / 20.0).margin(60));
+}
+
+TEST_CASE("without loss nothing is different from a network that knows none") {
+  Pair with({2 * ms, 1 * ms, 0.0}), without({2 * ms, 1 * ms});
+  for (std::uint8_t n = 0; n < 100; ++n) {
+    const Micros at = (n + 1) * ms;
+    with.network.send(0, 1, numbered(n), at);
+    without.network.send(0, 1, numbered(n), at);
+    const auto a = with.watch(1, at, at), b = without.watch(1, at, at);
+    REQUIRE(numbers(a) == numbers(b));
+  }
+}
+
+TEST_CASE("a ping waits behind what was lost, so that stalls are measured") {
+  Pair lossy({2 * ms, 0, 0.05});
+  double longest_ms = 0;
+  std::vector<double> all;
+  for (Micros at = ms; at < 60'000 * ms; at += ms) {
+    if (at % (16 * ms) == 0) {
+      lossy.network.send(0, 1, numbered(1), at);
+      lossy.network.send(1, 0, numbered(1), at);
+    }
+    lossy.network.advance(at);
+    lossy.network.take(1, at);
+    for (const Delivery& d : lossy.network.take(0, at))
+      if (d.kind == Delivery::Kind::measured && d.from == 1) all.push_back(d.latency_ms);
+  }
+  for (const double latency_ms : all) longest_ms = std::max(longest_ms, latency_ms);
+  REQUIRE(all.size() > 200);
+  CHECK(longest_ms > 5);
+  CHECK(*std::min_element(all.begin(), all.end()) == Approx(2).margin(0.6));
 }

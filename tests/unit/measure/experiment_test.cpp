@@ -35,11 +35,12 @@ std::uint64_t bodies_at_end(const json& report) {
 
 /// Without what is different each time.
 json without_times(const json& value) {
-  static const std::set<std::string> times = {"max_frame_ms",     "worst_server_ms",
-                                              "p99_frame_ms",     "split",
-                                              "server_ms",        "frames_in_tolerance_share",
-                                              "speedup",          "efficiency",
-                                              "efficiency_ideal", "last_10_s"};
+  static const std::set<std::string> times = {
+      "max_frame_ms", "worst_server_ms",  "p99_frame_ms",
+      "split",        "server_ms",        "frames_in_tolerance_share",
+      "speedup",      "efficiency",       "efficiency_ideal",
+      "last_10_s",    "median_server_ms", "ticks_in_tolerance_share",
+      "ticks_outside"};
   json rest = value;
   if (value.is_object())
     for (const std::string& name : times) rest.erase(name);
@@ -59,11 +60,29 @@ TEST_CASE("every mode's report has every field, and all of its bodies") {
     const bool talks = mode == "naive" || mode == "paper" || mode == "adaptive";
     REQUIRE(report["buckets"].size() == 1);
     const json& bucket = report["buckets"][0];
-    for (const char* field :
-         {"t_end_s", "max_frame_ms", "worst_server_ms", "p99_frame_ms", "split", "server_ms",
-          "frames_in_tolerance_share", "bodies", "awake", "links", "migrations",
-          "foreign_hosted_share", "missed_interactions", "missed_interactions_in_tolerance",
-          "speedup", "efficiency", "efficiency_ideal"}) {
+    for (const char* field : {"t_end_s",
+                              "max_frame_ms",
+                              "worst_server_ms",
+                              "p99_frame_ms",
+                              "split",
+                              "server_ms",
+                              "frames_in_tolerance_share",
+                              "bodies",
+                              "awake",
+                              "links",
+                              "migrations",
+                              "foreign_hosted_share",
+                              "missed_interactions",
+                              "missed_interactions_in_tolerance",
+                              "median_server_ms",
+                              "ticks_in_tolerance_share",
+                              "ticks_outside",
+                              "latency_tolerance_ms",
+                              "handoff_jump_mm",
+                              "wire",
+                              "speedup",
+                              "efficiency",
+                              "efficiency_ideal"}) {
       CAPTURE(field);
       CHECK(bucket.contains(field));
     }
@@ -89,6 +108,11 @@ TEST_CASE("every mode's report has every field, and all of its bodies") {
     CHECK(bucket["speedup"].is_number() == talks);
     CHECK(report["references"].size() == (talks ? 3u : 0u));
     CHECK(bucket["missed_interactions"].is_number() == talks);
+    for (const json& part : {bucket, report["total"]}) {
+      CHECK(part["wire"].is_object() == talks);
+      CHECK(part["handoff_jump_mm"].is_object() == talks);
+      CHECK(part["ticks_in_tolerance_share"].is_number() == (talks || mode == "single"));
+    }
     if (talks) {
       CHECK(report["bodies_lost"] == 0);
       CHECK(report["bodies_duplicated"] == 0);
@@ -140,4 +164,108 @@ TEST_CASE("a layout for so many servers is refused before anything runs") {
   const auto report = run_experiment(options, [](const std::string&) {});
   REQUIRE_FALSE(report);
   CHECK(report.error().message == "corners are measured on 1, 3, 4 or 9 servers, not on 7");
+}
+
+TEST_CASE("a bucket's bytes and jumps add up to those of the run") {
+  ExperimentOptions options = small("adaptive");
+  options.workload.seconds = 7;
+  options.with_references = false;
+  const json report = run(options);
+  REQUIRE(report["buckets"].size() == 2);
+  CHECK(report["references"].empty());
+  const json& total = report["total"];
+  for (const char* count : {"aura_bytes", "moving_auras", "replica_bytes", "moving_replicas",
+                            "key_bytes", "resting_bytes", "sign_of_life_bytes"}) {
+    CAPTURE(count);
+    std::uint64_t sum = 0;
+    for (const json& bucket : report["buckets"]) sum += bucket["wire"][count].get<std::uint64_t>();
+    CHECK(sum == total["wire"][count].get<std::uint64_t>());
+    CHECK(sum > 0);
+  }
+  std::size_t samples = 0;
+  for (const json& bucket : report["buckets"])
+    samples += bucket["handoff_jump_mm"]["samples"].get<std::size_t>();
+  CHECK(samples > 0);
+  CHECK(samples == total["handoff_jump_mm"]["samples"].get<std::size_t>());
+  // A pose is 20 bytes; only an envelope comes on top.
+  const double bytes = total["wire"]["replica_bytes_per_moving_tick"].get<double>();
+  CHECK(bytes > 15);
+  CHECK(bytes < 40);
+}
+
+TEST_CASE("without the oracles and the references the run is the same one") {
+  ExperimentOptions options = small("adaptive");
+  const json whole = run(options);
+  options.with_references = options.judged = false;
+  const json bare = run(options);
+  CHECK(bare["state_hash"] == whole["state_hash"]);
+  CHECK(bare["references"].empty());
+  CHECK(bare["bodies_lost"].is_null());
+  CHECK(bare["buckets"][0]["efficiency"].is_null());
+  CHECK(bare["total"]["wire"].is_null());
+}
+
+TEST_CASE("one server is left out of what it would take too long for") {
+  using Runs = std::vector<std::string>;
+  ExperimentOptions options;
+  options.workload.layout = "grid";
+  options.workload.servers = 4;
+  CHECK(runs_of(options) == Runs{"adaptive", "cut", "ideal", "single"});
+  options.workload.servers = 16;  // 640 bodies a second for a minute.
+  CHECK(runs_of(options) == Runs{"adaptive", "cut", "ideal"});
+  options.workload.seconds = 10;
+  CHECK(runs_of(options) == Runs{"adaptive", "cut", "ideal", "single"});
+  options.with_single = false;
+  CHECK(runs_of(options) == Runs{"adaptive", "cut", "ideal"});
+  options.with_references = false;
+  CHECK(runs_of(options) == Runs{"adaptive"});
+  options.mode = "cut";
+  options.with_references = true;
+  CHECK(runs_of(options) == Runs{"cut"});
+}
+
+TEST_CASE("a tolerance that follows covers a long latency, a fixed one does not") {
+  ExperimentOptions options = small("paper");
+  options.with_references = false;
+  options.workload.seconds = 6;
+  options.latency_ms = 40;
+  options.jitter_ms = 5;
+  const json fixed = run(options);
+  options.follow_latency = true;
+  const json follows = run(options);
+  CHECK(fixed["buckets"][1]["latency_tolerance_ms"] == 2);
+  CHECK(follows["buckets"][1]["latency_tolerance_ms"] == 50);
+  CHECK(fixed["buckets"][1]["ticks_outside"]["latency"] == 1);
+  CHECK(follows["buckets"][1]["ticks_outside"]["latency"] == 0);
+  CHECK(follows["buckets"][0]["ticks_outside"]["latency"].get<double>() < 0.2);
+  // Larger auras, so that other bodies are brought together.
+  CHECK(fixed["state_hash"] != follows["state_hash"]);
+  CHECK(follows["total"]["missed_interactions_in_tolerance"] == 0);
+  CHECK(follows["bodies_lost"] == 0);
+}
+
+TEST_CASE("loss delays a run and loses nothing") {
+  ExperimentOptions options = small("adaptive");
+  options.with_references = false;
+  const json calm = run(options);
+  options.loss_pct = 5;
+  const json lossy = run(options);
+  CHECK(lossy["state_hash"] != calm["state_hash"]);
+  CHECK(lossy["bodies_lost"] == 0);
+  CHECK(lossy["bodies_duplicated"] == 0);
+  CHECK(lossy["refused_messages"] == 0);
+  CHECK(lossy["total"]["ticks_outside"]["link"] > 0.01);
+  CHECK(calm["total"]["ticks_outside"]["link"] == 0);
+}
+
+TEST_CASE("tolerances that are said are the world's") {
+  ExperimentOptions options = small("adaptive");
+  options.with_references = options.judged = false;
+  options.workload.tolerances = {20, 5, 1e-9};
+  const json report = run(options);
+  CHECK(report["experiment"]["tolerances"]["speed_mps"] == 20);
+  CHECK(report["experiment"]["tolerances"]["latency_ms"] == 5);
+  CHECK(report["buckets"][0]["latency_tolerance_ms"] == 5);
+  CHECK(report["buckets"][0]["frames_in_tolerance_share"] == 0);
+  CHECK(report["total"]["ticks_in_tolerance_share"] == 0);
 }

@@ -14,10 +14,13 @@ class ToldRun final : public MeasuredRun {
  public:
   std::vector<FrameTime> told = {FrameTime{}, FrameTime{}};
   std::uint64_t moved = 0;
+  std::optional<Outside> outside;
   void tick() override {}
   const std::vector<FrameTime>& frames() const override { return told; }
   std::vector<ServerLoad> loads() const override { return {{30, 3, 1}, {10, 1, 0}}; }
   std::uint64_t migrations() const override { return moved; }
+  std::optional<Outside> outside_tolerances() const override { return outside; }
+  std::optional<double> latency_tolerance_ms() const override { return 7; }
   std::vector<LinkTraffic> traffic() const override { return {{0, 2, moved * 2, moved * 100}}; }
   std::uint64_t state_hash() const override { return 0; }
   std::uint64_t refused_messages() const override { return 0; }
@@ -85,4 +88,50 @@ TEST_CASE("a bucket counts what came since the one before it") {
   CHECK(record.to_json(1)["links"][0]["bytes"] == 31'300);
   CHECK(record.to_json(1)["frames_in_tolerance_share"].get<double>() == Approx(0.5));
   CHECK(total_ms(record.worst_server(0, 2)) == Approx((312 + 313 * 17) / 625.0));
+}
+
+TEST_CASE("a tick is in its tolerances if all frames were short and no server says anything else") {
+  RunRecord record(2, 0.16, 10);
+  ToldRun run;
+  record.begin_repeat();
+  for (Tick now{1}; now <= Tick{10}; now = now + 1) {
+    run.outside = MeasuredRun::Outside{};
+    auto& outside = *run.outside;
+    outside[static_cast<std::size_t>(ToleranceEvent::Kind::latency)] = now.value <= 2;
+    outside[static_cast<std::size_t>(ToleranceEvent::Kind::speed)] = now.value == 2;
+    run.told[1] = {now.value == 5 || now.value == 2 ? 11.0 : 10.0, 0, 0, 0};
+    record.note(now, run);
+  }
+  const nlohmann::json bucket = record.to_json(0);
+  CHECK(bucket["frames_in_tolerance_share"].get<double>() == Approx(0.9));
+  CHECK(bucket["ticks_in_tolerance_share"].get<double>() == Approx(0.7));
+  CHECK(bucket["ticks_outside"]["frame_time"].get<double>() == Approx(0.2));
+  CHECK(bucket["ticks_outside"]["latency"].get<double>() == Approx(0.2));
+  CHECK(bucket["ticks_outside"]["speed"].get<double>() == Approx(0.1));
+  CHECK(bucket["ticks_outside"]["link"] == 0);
+  CHECK(bucket["latency_tolerance_ms"] == 7);
+}
+
+TEST_CASE("nobody's tolerances are nothing, not all of them") {
+  RunRecord record(2, 0.16);
+  ToldRun run;
+  record.begin_repeat();
+  for (Tick now{1}; now <= Tick{10}; now = now + 1) record.note(now, run);
+  CHECK(record.to_json(0)["ticks_in_tolerance_share"].is_null());
+  CHECK(record.to_json(0)["ticks_outside"].is_null());
+}
+
+TEST_CASE("the median server is one that half of all do not pass") {
+  for (const auto& [servers, expected] :
+       {std::pair(5, 3.0), std::pair(4, 2.0), std::pair(1, 1.0)}) {
+    RunRecord record(static_cast<std::size_t>(servers), 0.016);
+    ToldRun run;
+    run.told.clear();
+    for (int n = 0; n < servers; ++n)
+      run.told.push_back({1.0 + (n * 3) % servers, 0, 0, 0});  // Not in their order.
+    record.begin_repeat();
+    record.note(Tick{1}, run);
+    CHECK(record.median_server_ms(0, 1) == Approx(expected));
+    CHECK(record.to_json(0)["median_server_ms"].get<double>() == Approx(expected));
+  }
 }

@@ -119,3 +119,33 @@ TEST_CASE("layouts that the paper does not have are refused in a sentence") {
   REQUIRE_FALSE(world);
   CHECK(world.error().message == "columns are measured on 1 to 10 servers, not on 11");
 }
+
+TEST_CASE("each region of a grid gets as many bodies, whatever the grid's size") {
+  for (const int servers : {4, 16, 64}) {
+    CAPTURE(servers);
+    const WorldDefinition world = world_of("grid", servers);
+    const PartitionMap map = partition_of(world);
+    std::vector<double> beside(map.size(), 0), at_centre(map.size(), 0);
+    for (const Injector& injector : world.injectors) {
+      const Eigen::Vector3d centre = (injector.volume.max + injector.volume.min) / 2;
+      const RegionId region = map.region_at(centre.x(), centre.z());
+      (beside_boundary(injector) ? beside : at_centre)[region.value] += injector.rate_per_s;
+    }
+    for (std::size_t r = 0; r < map.size(); ++r) {
+      CHECK(beside[r] == Approx(20));
+      CHECK(at_centre[r] == Approx(20));
+    }
+    CHECK(world.max_bodies >= servers * 40 * 60);
+  }
+}
+
+TEST_CASE("grids are squares") {
+  for (const int servers : {1, 5, 81}) {
+    WorkloadOptions options;
+    options.layout = "grid";
+    options.servers = servers;
+    const auto world = workload_world(options);
+    REQUIRE_FALSE(world);
+    CHECK(world.error().message.starts_with("grids are measured on 4, 9, 16, 25, 36, 49 or 64"));
+  }
+}

@@ -1,0 +1,33 @@
+// What an experiment has measured and judged, and the JSON that is made of it.
+#pragma once
+
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/measure/experiment.h"
+#include "server/measure/judgement.h"
+#include "server/measure/run_record.h"
+#include "server/worlds/world.h"
+
+namespace aureole {
+
+struct ExperimentRecord {
+  ExperimentOptions options;
+  WorldDefinition world;
+  BucketClock clock;
+  std::vector<std::string> modes;  ///< The one asked for first, then those that ran beside it.
+  std::map<std::string, RunRecord> runs;
+  std::map<std::string, std::uint64_t> hashes;
+  std::uint64_t refused = 0;
+  std::optional<Judgement> judgement;
+
+  const RunRecord& own() const { return runs.at(options.mode); }
+};
+
+/// docs/experiments.md says what is in it.
+nlohmann::json report_of(const ExperimentRecord& record);
+
+}  // namespace aureole
