@@ -152,6 +152,7 @@ void add_experiment(CLI::App& app, int& exit_code) {
                     "Also run everything on one server, for the speedup (on by default)");
   command->add_option("--json", o->json, "Write all figures to this file");
   command->callback([o, &exit_code] { exit_code = run(*o); });
+  add_experiment_figures(*command, exit_code);
 }
 
 }  // namespace aureole

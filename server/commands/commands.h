@@ -20,6 +20,8 @@ void add_status(CLI::App& app, int& exit_code);
 void add_bench(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_experiment(CLI::App& app, int& exit_code);
+/// Goes below `experiment`.
+void add_experiment_figures(CLI::App& experiment, int& exit_code);
 
 inline constexpr int exit_ok = 0;
 inline constexpr int exit_failed = 1;
