@@ -121,6 +121,11 @@ int run(Options& o) {
     o.plan.only.push_back(*study);
   }
   if (const auto found = find_gnuplot(); !found) return complain(exit_usage, found.error().message);
+  if (o.plots_only && !std::filesystem::is_directory(std::filesystem::path(o.out) / "runs"))
+    return complain(exit_usage,
+                    fmt::format("there are no runs in {}: --plots-only draws those that "
+                                "were made before with the same --out",
+                                o.out));
   bool well = true;
   if (!o.plots_only) {
     const auto outcome = make_runs(o);
@@ -144,9 +149,19 @@ void add_experiment_figures(CLI::App& experiment, int& exit_code) {
       "Makes all runs of the paper's figures and of the studies (hours; --quick: half an hour),\n"
       "then draws them as SVG with gnuplot, and judges them in tables.md. Started again it goes\n"
       "on where it was stopped.");
-  // With it, the experiment has no layout of its own and does not run.
-  command->preparse_callback([&experiment](std::size_t) {
-    experiment.get_option("layout")->required(false);
+  // An argument that is required would take the word "figures" for itself, so that whether there is
+  // a layout is looked at when all words have been read.
+  experiment.get_option("layout")->required(false);
+  experiment.parse_complete_callback([&experiment, command] {
+    if (!experiment.got_subcommand(command)) {
+      if (experiment.get_option("layout")->count() == 0) throw CLI::RequiredError("layout");
+      return;
+    }
+    for (const CLI::Option* option : experiment.get_options())
+      if (option->count() > 0)
+        throw CLI::ValidationError(
+            option->get_name(),
+            "is for one run and cannot stand before `figures`, which makes many");
     experiment.callback({});
   });
   const auto o = std::make_shared<Options>();

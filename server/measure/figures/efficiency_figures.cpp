@@ -36,7 +36,7 @@ void add_efficiency_figure(const StudyRuns& columns, const StudyRuns& corners,
   for (const StudyRuns* runs : both) {
     if (runs->runs.empty()) continue;
     sheet.subtitle = runs->setting + "; busiest server's mean frame: the limit's over ours";
-    Panel panel{66 + 426.0 * static_cast<double>(sheet.panels.size()),
+    Panel panel{74 + 424.0 * static_cast<double>(sheet.panels.size()),
                 130,
                 374,
                 270,
@@ -51,7 +51,7 @@ void add_efficiency_figure(const StudyRuns& columns, const StudyRuns& corners,
         Curve curve;
         curve.colour = colour_of(mode);
         curve.dash = ideal ? Dash::dashed : Dash::solid;
-        curve.marks = true;
+        curve.mark = mark_of(mode);
         for (const int servers : runs->server_counts(mode)) {
           const auto value = number_of_run(runs->find(mode, servers)->report,
                                            ideal ? "efficiency_ideal" : "efficiency");
@@ -67,8 +67,7 @@ void add_efficiency_figure(const StudyRuns& columns, const StudyRuns& corners,
       }
     const auto counts = counts_of(*runs);
     panel.x = server_scale(counts.back(), counts);
-    panel.rules = {{0.9, "goal of adaptive against cut: 0.90", true},
-                   {0.8, "goal of adaptive against ideal: 0.80", true}};
+    panel.rules = {{0.9, "0.90"}, {0.8, "0.80"}};
     sheet.panels.push_back(std::move(panel));
   }
   if (sheet.panels.empty()) return;
@@ -76,11 +75,12 @@ void add_efficiency_figure(const StudyRuns& columns, const StudyRuns& corners,
     panel.y = linear_scale("efficiency", largest);
     panel.y.named = &panel == &sheet.panels.front();
   }
-  sheet.legend = {{"adaptive against cut", colour::blue, Dash::solid, false},
-                  {"adaptive against ideal", colour::blue, Dash::dashed, false},
-                  {"paper against cut", colour::vermilion, Dash::solid, false},
-                  {"paper against ideal", colour::vermilion, Dash::dashed, false}};
-  sheet.legend_px = 205;
+  for (const char* mode : {"adaptive", "paper"})
+    for (const bool ideal : {false, true})
+      sheet.legend.push_back({fmt::format("{} / {}", mode, ideal ? "ideal" : "cut"),
+                              colour_of(mode), ideal ? Dash::dashed : Dash::solid, false,
+                              mark_of(mode)});
+  sheet.legend.push_back({"goals of adaptive: 0.90 / cut, 0.80 / ideal", "#444444", Dash::thin});
   figures.push_back(figure_of("efficiency", sheet));
 }
 
@@ -96,13 +96,14 @@ void add_split_figure(Study study, const StudyRuns& runs, std::vector<Figure>& f
   for (std::size_t part = 0; part < FrameParts::names.size(); ++part)
     sheet.legend.push_back(
         {std::string(FrameParts::names[part]), colours[part], Dash::solid, true});
-  sheet.legend_px = 90;
+  if (study == Study::fig5)
+    sheet.legend.push_back({"goal of adaptive at 10 servers: 95 % physics", "#444444", Dash::thin});
 
   const auto counts = counts_of(runs);
   double largest = 0;
   std::size_t column = 0;
   for (const char* mode : {"paper", "adaptive"}) {
-    const double left = 66 + 426.0 * static_cast<double>(column++);
+    const double left = 74 + 424.0 * static_cast<double>(column++);
     Panel absolute{left, 130, 374, 210, mode, {}, {}, {}, {}, {}};
     Panel shares{left, 376, 374, 210, "", {}, {}, {}, {}, {}};
     // Bars as wide as there is room for, evenly spaced: counts are names here.
@@ -132,6 +133,7 @@ void add_split_figure(Study study, const StudyRuns& runs, std::vector<Figure>& f
     x.label.clear();
     absolute.x = std::move(x);
     shares.y = linear_scale("share of the frame, %", 100);
+    if (study == Study::fig5 && mode == std::string("adaptive")) shares.rules = {{95, "95"}};
     sheet.panels.push_back(std::move(absolute));
     sheet.panels.push_back(std::move(shares));
   }

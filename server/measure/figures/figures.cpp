@@ -94,6 +94,10 @@ std::string colour_of(const std::string& mode) {
   return mode == "adaptive" ? colour::blue : mode == "paper" ? colour::vermilion : colour::grey;
 }
 
+Mark mark_of(const std::string& mode) {
+  return mode == "paper" ? Mark::square : Mark::circle;
+}
+
 std::string servers_in_words(int servers) {
   return servers == 1 ? "1 server" : fmt::format("{} servers", servers);
 }

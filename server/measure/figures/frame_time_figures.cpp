@@ -40,12 +40,14 @@ void add_frame_time_figure(Study study, const StudyRuns& runs, std::vector<Figur
   sheet.title = fmt::format("Longest frame of any server, {} ({} of the paper, redrawn)",
                             study == Study::fig5 ? "columns" : "corners",
                             study == Study::fig5 ? "Fig. 5" : "Fig. 7");
-  sheet.subtitle = runs.setting + "; maximum in each 5 s; a curve for each number of servers";
+  sheet.subtitle =
+      runs.setting +
+      "; maximum in each 5 s; a curve for each number of servers; thin: one step, 16 ms";
   double smallest = 1e9, largest = 0, seconds = 0;
   for (std::size_t i = 0; i < std::size(columns); ++i) {
     const auto counts = runs.server_counts(columns[i].mode);
     Panel panel{
-        62 + 282.0 * static_cast<double>(i), 104, 246, 340, columns[i].title, {}, {}, {}, {}, {}};
+        74 + 277.0 * static_cast<double>(i), 104, 242, 340, columns[i].title, {}, {}, {}, {}, {}};
     for (std::size_t n = 0; n < counts.size(); ++n) {
       const FinishedRun& run = *runs.find(columns[i].mode, counts[n]);
       Curve curve;
@@ -68,7 +70,7 @@ void add_frame_time_figure(Study study, const StudyRuns& runs, std::vector<Figur
     panel.x = time_scale(seconds, 1.1);
     panel.y = ms;
     panel.y.named = &panel == &sheet.panels.front();
-    panel.rules = {{16, "one step: 16 ms", false}};
+    panel.rules = {{16, ""}};
   }
   figures.push_back(figure_of(std::string(word_of(study)), sheet));
 }
@@ -86,7 +88,7 @@ void add_hosted_figure(const StudyRuns& columns, std::vector<Figure>& figures) {
     for (const char* mode : {"paper", "adaptive"}) {
       const FinishedRun* run = columns.find(mode, servers);
       if (run == nullptr) continue;
-      const double left = 66 + 426.0 * static_cast<double>(sheet.panels.size() - first);
+      const double left = 74 + 420.0 * static_cast<double>(sheet.panels.size() - first);
       Panel panel{left,
                   104 + 270 * row,
                   366,
@@ -120,6 +122,7 @@ void add_hosted_figure(const StudyRuns& columns, std::vector<Figure>& figures) {
     if (sheet.panels.size() == first) continue;
     for (std::size_t i = first; i < sheet.panels.size(); ++i) {
       sheet.panels[i].x = time_scale(seconds, 1.08);
+      if (servers == 2) sheet.panels[i].x.label.clear();
       sheet.panels[i].y = linear_scale("bodies", largest);
       sheet.panels[i].y.named = i == first;
     }

@@ -31,8 +31,17 @@ std::string plain(double value) {
   return fmt::format("{:g}", std::abs(value) < 1e-12 ? 0 : value);
 }
 
-int dash_type(Dash dash) {
-  return dash == Dash::solid ? 1 : dash == Dash::dashed ? 2 : 3;
+int line_type(Dash dash) {
+  return dash == Dash::dashed ? 12 : 11;
+}
+
+int point_type(Mark mark) {
+  return mark == Mark::circle ? 7 : mark == Mark::triangle ? 9 : 5;
+}
+
+/// About: gnuplot cannot know the viewer's font either.
+double text_px(const std::string& text) {
+  return 7.1 * static_cast<double>(text.size());
 }
 
 class Script {
@@ -43,7 +52,7 @@ class Script {
         "set terminal svg size {},{} fixed enhanced font \"{},13\" background \"#ffffff\"\n"
         "set style line 100 lc rgb \"#e4e4e4\" lw 1\n"
         // Custom dashes look the same at every line width.
-        "set linetype 11 dt solid\nset linetype 12 dt (7,4)\nset linetype 13 dt (2,3)\n"
+        "set linetype 11 dt solid\nset linetype 12 dt (7,4)\n"
         "unset key\nset multiplot\n",
         sheet.width, sheet.height, figure_font);
   }
@@ -83,20 +92,24 @@ class Script {
         add("set object rectangle from {} to {} fc rgb \"{}\" fs solid noborder\n",
             screen(x, y + 6), screen(x + 14, y - 6), entry.colour);
       } else {
-        add("set arrow from {} to {} nohead lt {} lc rgb \"{}\" lw 2.5\n", screen(x, y),
-            screen(x + 26, y), 10 + dash_type(entry.dash), entry.colour);
+        add("set arrow from {} to {} nohead lt {} lc rgb \"{}\" lw {}\n", screen(x, y),
+            screen(x + 30, y), line_type(entry.dash), entry.colour,
+            entry.dash == Dash::thin ? "1" : "2.5");
+        if (entry.mark != Mark::none)
+          add("set label \"\" at {} point pt {} ps 0.6 lc rgb \"{}\"\n", screen(x + 15, y),
+              point_type(entry.mark), entry.colour);
       }
-      label(quoted(entry.label), screen(x + (entry.filled ? 20 : 33), y), "left font \",12\"",
-            colour::text);
-      x += sheet_.legend_px;
+      const double before = entry.filled ? 20 : 37;
+      label(quoted(entry.label), screen(x + before, y), "left font \",12\"", colour::text);
+      x += before + text_px(entry.label) + 20;
     }
   }
 
   void scale(const char* axis, const Scale& scale) {
     add("{} logscale {}\n", scale.logarithmic ? "set" : "unset", axis);
     add("set {}range [{}:{}]\n", axis, plain(scale.from), plain(scale.to));
-    add("set {}tics nomirror out scale 0.5 font \",11\" textcolor rgb \"{}\" (", axis,
-        colour::quiet);
+    add("set {}tics nomirror out scale 0.5 offset 0,{} font \",11\" textcolor rgb \"{}\" (", axis,
+        *axis == 'x' ? "0.4" : "0", colour::quiet);
     for (std::size_t i = 0; i < scale.ticks.size(); ++i)
       add("{}{} {}", i > 0 ? ", " : "", scale.named ? quoted(scale.ticks[i].text) : "\"\"",
           plain(scale.ticks[i].at));
@@ -117,10 +130,10 @@ class Script {
             colour::text);
     if (panel.x.named && !panel.x.label.empty())
       label(quoted(panel.x.label),
-            screen(panel.left + panel.width / 2, panel.top + panel.height + 36),
+            screen(panel.left + panel.width / 2, panel.top + panel.height + 38),
             "center font \",12\"", colour::text);
     if (panel.y.named && !panel.y.label.empty())
-      label(quoted(panel.y.label), screen(panel.left - 46, panel.top + panel.height / 2),
+      label(quoted(panel.y.label), screen(panel.left - 58, panel.top + panel.height / 2),
             "center rotate by 90 font \",12\"", colour::text);
   }
 
@@ -154,12 +167,10 @@ class Script {
   void rules(const Panel& panel) {
     for (const Rule& rule : panel.rules) {
       if (rule.at < panel.y.from || rule.at > panel.y.to) continue;
-      const double y = y_px(panel, rule.at);
-      add("set arrow from {} to {} nohead lt 12 lc rgb \"#555555\" lw 1\n", screen(panel.left, y),
-          screen(panel.left + panel.width, y));
-      label(quoted(rule.label),
-            screen(rule.named_right ? panel.left + panel.width - 4 : panel.left + 6, y - 8),
-            rule.named_right ? "right font \",11\"" : "left font \",11\"", "#555555");
+      const double y = y_px(panel, rule.at), right = panel.left + panel.width;
+      add("set arrow from {} to {} nohead front lt 11 lc rgb \"#444444\" lw 0.8\n",
+          screen(panel.left, y), screen(right, y));
+      label(quoted(rule.label), screen(right + 5, y), "left font \",11\"", "#444444");
     }
   }
 
@@ -182,8 +193,11 @@ class Script {
       for (const auto& [x, y] : curve.points) rows += fmt::format("{} {}\n", plain(x), plain(y));
       if (rows.empty()) continue;
       data(rows, fmt::format("with {} lt {} lc rgb \"{}\" lw {}{}",
-                             curve.marks ? "linespoints" : "lines", 10 + dash_type(curve.dash),
-                             curve.colour, plain(curve.width), curve.marks ? " pt 7 ps 0.45" : ""));
+                             curve.mark != Mark::none ? "linespoints" : "lines",
+                             line_type(curve.dash), curve.colour, plain(curve.width),
+                             curve.mark != Mark::none
+                                 ? fmt::format(" pt {} ps 0.5", point_type(curve.mark))
+                                 : ""));
     }
     // An empty panel is still drawn, and says so.
     if (plots.empty()) {

@@ -46,14 +46,16 @@ Scale log_scale(std::string label, double smallest, double largest);
 
 using Points = std::vector<std::pair<double, double>>;
 
-enum class Dash { solid, dashed, dotted };
+enum class Dash { solid, dashed, thin };
+/// Shapes, so that curves are told apart where they lie on each other and without colours.
+enum class Mark { none, circle, triangle, square };
 
 struct Curve {
   Points points;
   std::string colour;
   Dash dash = Dash::solid;
-  bool marks = false;  ///< A dot at each point.
-  std::string label;   ///< Beside its last point.
+  Mark mark = Mark::none;  ///< At each point.
+  std::string label;       ///< Beside its last point.
   double width = 2;
 };
 
@@ -63,11 +65,10 @@ struct Bar {
   std::string colour;
 };
 
-/// A thin horizontal line with its name above its left end, or its right one.
+/// A thin horizontal line; its name stands to the right of the panel.
 struct Rule {
   double at = 0;
   std::string label;
-  bool named_right = false;
 };
 
 struct Panel {
@@ -83,6 +84,7 @@ struct Legend {
   std::string label, colour;
   Dash dash = Dash::solid;
   bool filled = false;  ///< A square instead of a line.
+  Mark mark = Mark::none;
 };
 
 /// A whole picture.
@@ -90,10 +92,7 @@ struct Sheet {
   int width = 900, height = 420;  ///< px
   std::string title, subtitle;
   std::vector<Legend> legend;  ///< In one row below the subtitle.
-  double legend_px = 130;      ///< From one entry to the next.
   std::vector<Panel> panels;
-  /// Where the first panel may begin.
-  double head_px() const { return legend.empty() ? 78 : 100; }
 };
 
 std::string script_of(const Sheet& sheet);

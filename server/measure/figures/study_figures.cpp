@@ -48,7 +48,12 @@ Scale varied_scale(const Varied& varied, const StudyRuns& runs) {
     if (varied.belongs(run->plan)) values.push_back(varied.value(run->plan));
   std::sort(values.begin(), values.end());
   if (values.empty()) return linear_scale(varied.label, 1);
-  if (!varied.logarithmic) return linear_scale(varied.label, values.back());
+  if (!varied.logarithmic) {
+    Scale scale = linear_scale(varied.label, values.back());
+    scale.to = std::max(values.back(), 1e-3) * 1.04;
+    std::erase_if(scale.ticks, [&](const Tick& tick) { return tick.at > scale.to; });
+    return scale;
+  }
   values.erase(std::unique(values.begin(), values.end()), values.end());
   Scale scale{varied.label, values.front() / 1.3, values.back() * 1.3, true, {}, true};
   for (const double value : values) scale.ticks.push_back({value, fmt::format("{:g}", value)});
@@ -58,19 +63,25 @@ Scale varied_scale(const Varied& varied, const StudyRuns& runs) {
 /// Columns of what is varied, rows of what is measured, the same y axis along a row.
 Sheet grid_of(const StudyRuns& runs, const std::vector<Varied>& columns,
               const std::vector<Quantity>& rows, std::vector<std::string>& notes) {
-  std::map<std::string, std::pair<std::string, Dash>> kinds = {
-      {"adaptive", {colour::blue, Dash::solid}},
-      {"adaptive, tolerances follow", {colour::sky, Dash::dashed}},
-      {"paper", {colour::vermilion, Dash::solid}}};
+  struct Look {
+    const char *kind, *colour;
+    Dash dash;
+    Mark mark;
+  };
+  // The last one is on top.
+  static constexpr Look looks[] = {
+      {"paper", colour::vermilion, Dash::solid, Mark::square},
+      {"adaptive", colour::blue, Dash::solid, Mark::circle},
+      {"adaptive, tolerances follow", colour::green, Dash::dashed, Mark::triangle}};
   Sheet sheet;
-  const double wide = (900.0 - 66 - 20) / static_cast<double>(columns.size());
+  const double wide = (900.0 - 74 + 12) / static_cast<double>(columns.size());
   double top = 132;
   for (const Quantity& quantity : rows) {
     std::vector<Panel> row;
     double largest = 0;
     std::size_t missing = 0;
     for (const Varied& varied : columns) {
-      Panel panel{66 + wide * static_cast<double>(row.size()),
+      Panel panel{74 + wide * static_cast<double>(row.size()),
                   top,
                   wide - 36,
                   140,
@@ -81,10 +92,10 @@ Sheet grid_of(const StudyRuns& runs, const std::vector<Varied>& columns,
                   {},
                   {}};
       panel.x.named = true;
-      for (const auto& [kind, look] : kinds) {
-        Curve curve{{}, look.first, look.second, true, "", 2};
+      for (const Look& look : looks) {
+        Curve curve{{}, look.colour, look.dash, look.mark, "", 2};
         for (const FinishedRun* run : runs.runs) {
-          if (!varied.belongs(run->plan) || kind_of(run->plan) != kind) continue;
+          if (!varied.belongs(run->plan) || kind_of(run->plan) != look.kind) continue;
           const auto value = quantity.value(run->report);
           if (value)
             curve.points.emplace_back(varied.value(run->plan), *value);
@@ -98,15 +109,15 @@ Sheet grid_of(const StudyRuns& runs, const std::vector<Varied>& columns,
       row.push_back(std::move(panel));
     }
     if (missing > 0)
-      notes.push_back(fmt::format("{}: {} runs do not tell it, their points are left out",
-                                  quantity.label, missing));
+      notes.push_back(fmt::format("{}, {}: {} points are left out, their runs do not tell it",
+                                  word_of(runs.runs.front()->plan.study), quantity.label, missing));
     const bool any = std::any_of(row.begin(), row.end(), [](const Panel& panel) {
       return std::any_of(panel.curves.begin(), panel.curves.end(),
                          [](const Curve& curve) { return !curve.points.empty(); });
     });
     if (!any) continue;
     for (Panel& panel : row) {
-      panel.y = linear_scale(quantity.label, largest);
+      panel.y = linear_scale(quantity.label, largest * 1.05);
       panel.y.named = &panel == &row.front();
       sheet.panels.push_back(std::move(panel));
     }
@@ -116,11 +127,10 @@ Sheet grid_of(const StudyRuns& runs, const std::vector<Varied>& columns,
   for (std::size_t i = 0; i + columns.size() < sheet.panels.size(); ++i)
     sheet.panels[i].x.label.clear();
   sheet.height = static_cast<int>(top + 24);
-  for (const auto& [kind, look] : kinds)
+  for (const Look& look : looks)
     if (std::any_of(runs.runs.begin(), runs.runs.end(),
-                    [&](const FinishedRun* run) { return kind_of(run->plan) == kind; }))
-      sheet.legend.push_back({kind, look.first, look.second, false});
-  sheet.legend_px = 205;
+                    [&](const FinishedRun* run) { return kind_of(run->plan) == look.kind; }))
+      sheet.legend.push_back({look.kind, look.colour, look.dash, false, look.mark});
   return sheet;
 }
 
@@ -194,9 +204,9 @@ void add_tolerances_figure(const StudyRuns& runs, std::vector<Figure>& figures,
 void add_weak_figure(const StudyRuns& runs, std::vector<Figure>& figures,
                      std::vector<std::string>& notes) {
   if (runs.runs.empty()) return;
-  Curve median{{}, colour::blue, Dash::solid, true, "median", 2},
-      worst{{}, colour::vermilion, Dash::solid, true, "busiest", 2},
-      bytes{{}, colour::green, Dash::solid, true, "", 2};
+  Curve median{{}, colour::blue, Dash::solid, Mark::circle, "median", 2},
+      worst{{}, colour::sky, Dash::solid, Mark::triangle, "busiest", 2},
+      bytes{{}, colour::green, Dash::solid, Mark::circle, "", 2};
   for (const FinishedRun* run : runs.runs) {
     const double servers = run->plan.servers;
     const auto note = [&](Curve& curve, const char* what, std::optional<double> value) {
@@ -223,26 +233,29 @@ void add_weak_figure(const StudyRuns& runs, std::vector<Figure>& figures,
     for (const auto& point : curve.points) most = std::max(most, point.second);
     return most;
   };
-  Panel frames{66,
+  Panel frames{74,
                104,
-               374,
+               360,
                236,
                "a server's mean frame in the last 10 s",
                x,
-               linear_scale("ms", std::max(largest(median), largest(worst))),
+               linear_scale("ms", 1.05 * std::max(largest(median), largest(worst))),
                {},
                {},
                {}};
-  if (!median.points.empty())
-    frames.rules = {{median.points.front().second * 1.1, "goal for the median: + 10 %", true}};
+  if (!median.points.empty()) {
+    const double goal = median.points.front().second;
+    frames.bars = {{x.from, x.to, goal * 0.9, goal * 1.1, "#dce9f3"}};
+    sheet.subtitle += "; band: within 10 % of the median on the fewest servers";
+  }
   frames.curves = {worst, median};
-  Panel wire{510,
+  Panel wire{514,
              104,
-             350,
+             360,
              236,
              "what a server sends, to servers and gateway",
              x,
-             linear_scale("kB/s", largest(bytes)),
+             linear_scale("kB/s", 1.05 * largest(bytes)),
              {},
              {},
              {}};
