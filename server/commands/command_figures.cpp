@@ -153,10 +153,10 @@ void add_experiment_figures(CLI::App& experiment, int& exit_code) {
   // a layout is looked at when all words have been read.
   experiment.get_option("layout")->required(false);
   experiment.parse_complete_callback([&experiment, command] {
-    if (!experiment.got_subcommand(command)) {
-      if (experiment.get_option("layout")->count() == 0) throw CLI::RequiredError("layout");
-      return;
-    }
+    CLI::Option* const layout = experiment.get_option("layout");
+    if (experiment.get_subcommands().empty() && layout->count() == 0)
+      throw CLI::RequiredError("layout");
+    if (!experiment.got_subcommand(command)) return;
     for (const CLI::Option* option : experiment.get_options())
       if (option->count() > 0)
         throw CLI::ValidationError(
@@ -174,7 +174,7 @@ void add_experiment_figures(CLI::App& experiment, int& exit_code) {
       ->check(CLI::Range(0.5, 3600.0));
   command
       ->add_option("--rate", o->plan.rate_per_s,
-                   "Bodies a second in every run, not the plan's; weak scaling: on 4 servers")
+                   "Bodies a second in every run, not the plan's; on grids for every 4 servers")
       ->check(CLI::Range(1.0, 600.0));
   command->add_option("--repeat", o->plan.repeats, "Repeats of every run, not the plan's")
       ->check(CLI::Range(1, 100));

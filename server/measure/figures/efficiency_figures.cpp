@@ -36,9 +36,9 @@ void add_efficiency_figure(const StudyRuns& columns, const StudyRuns& corners,
   for (const StudyRuns* runs : both) {
     if (runs->runs.empty()) continue;
     sheet.subtitle = runs->setting + "; busiest server's mean frame: the limit's over ours";
-    Panel panel{74 + 424.0 * static_cast<double>(sheet.panels.size()),
+    Panel panel{74 + 416.0 * static_cast<double>(sheet.panels.size()),
                 130,
-                374,
+                362,
                 270,
                 runs == &columns ? "columns" : "corners",
                 {},
@@ -53,8 +53,9 @@ void add_efficiency_figure(const StudyRuns& columns, const StudyRuns& corners,
         curve.dash = ideal ? Dash::dashed : Dash::solid;
         curve.mark = mark_of(mode);
         for (const int servers : runs->server_counts(mode)) {
-          const auto value = number_of_run(runs->find(mode, servers)->report,
-                                           ideal ? "efficiency_ideal" : "efficiency");
+          const auto value =
+              number_at(runs->find(mode, servers)->report,
+                        ideal ? "last_10_s/efficiency_ideal" : "last_10_s/efficiency");
           if (value)
             curve.points.emplace_back(servers, *value);
           else
@@ -80,7 +81,7 @@ void add_efficiency_figure(const StudyRuns& columns, const StudyRuns& corners,
       sheet.legend.push_back({fmt::format("{} / {}", mode, ideal ? "ideal" : "cut"),
                               colour_of(mode), ideal ? Dash::dashed : Dash::solid, false,
                               mark_of(mode)});
-  sheet.legend.push_back({"goals of adaptive: 0.90 / cut, 0.80 / ideal", "#444444", Dash::thin});
+  sheet.legend.push_back({"goals of adaptive", "#444444", Dash::thin});
   figures.push_back(figure_of("efficiency", sheet));
 }
 

@@ -14,16 +14,13 @@ namespace {
 using Setting = std::tuple<double, double, int, std::uint64_t>;
 
 Setting setting_of(const PlannedRun& run) {
-  // Weak scaling has more bodies on more servers.
-  const double rate = run.study == Study::weak ? run.rate_per_s / run.servers : run.rate_per_s;
-  return {run.seconds, rate, run.repeats, run.seed};
+  return {run.seconds, run.rate_per_s, run.repeats, run.seed};
 }
 
 std::string in_words(const PlannedRun& run) {
-  const double rate = run.study == Study::weak ? run.rate_per_s / run.servers : run.rate_per_s;
   return fmt::format(
-      "{:g} s at {:g} bodies/s{}, {}, seed {}", run.seconds, rate,
-      run.study == Study::weak ? " and server" : "",
+      "{:g} s at {:g} bodies/s{}, {}, seed {}", run.seconds, run.rate_per_s,
+      run.study == Study::weak ? " for every 4 servers" : "",
       run.repeats == 1 ? std::string("run once") : fmt::format("mean of {} repeats", run.repeats),
       run.seed);
 }

@@ -48,7 +48,7 @@ struct PlannedRun {
   int servers = 1;
   std::string mode = "adaptive";
   double seconds = 60;
-  double rate_per_s = 160;
+  double rate_per_s = 160;  ///< In weak scaling for every 4 servers.
   int repeats = 1;
   std::uint64_t seed = 1;
   PlannedNetwork network;
@@ -72,8 +72,7 @@ Result<PlannedRun> planned_run_from(const nlohmann::json& value);
 struct PlanOptions {
   std::vector<Study> only;  ///< Empty: all.
   bool quick = false;       ///< About half an hour on two cores: fewer and shorter runs, once each.
-  std::optional<double> seconds, rate_per_s;  ///< Instead of the plan's; weak scaling keeps 4 : 16
-                                              ///< : 64 and takes this rate for 4 servers.
+  std::optional<double> seconds, rate_per_s;  ///< Instead of the plan's.
   std::optional<int> repeats;
   std::uint64_t seed = 1;
 };

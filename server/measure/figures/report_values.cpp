@@ -72,15 +72,14 @@ std::vector<std::vector<Sample>> bodies_by_server(const json& buckets) {
   return servers;
 }
 
-std::optional<double> number_of_run(const json& report, std::string_view key) {
-  if (const auto value = number_in(report, key)) return value;
-  if (const json* last = member(report, "last_10_s"))
-    if (const auto value = number_in(*last, key)) return value;
-  if (!report.is_object()) return std::nullopt;
-  for (const auto& [name, part] : report.items())
-    if (name != "references" && name != "run")
-      if (const auto value = number_in(part, key)) return value;
-  return std::nullopt;
+std::optional<double> number_at(const json& report, std::string_view path) {
+  const json* at = &report;
+  for (auto slash = path.find('/'); slash != std::string_view::npos; slash = path.find('/')) {
+    at = member(*at, path.substr(0, slash));
+    if (at == nullptr) return std::nullopt;
+    path.remove_prefix(slash + 1);
+  }
+  return number_in(*at, path);
 }
 
 std::optional<double> sum_of(const json& report, std::string_view key) {
@@ -124,8 +123,7 @@ std::vector<double> last_server_ms(const json& report) {
 }
 
 std::optional<double> median_server_ms(const json& report) {
-  if (const json* last = member(report, "last_10_s"))
-    if (const auto value = number_in(*last, "median_server_ms")) return value;
+  if (const auto value = number_at(report, "last_10_s/median_server_ms")) return value;
   const auto means = last_server_ms(report);
   if (means.empty()) return std::nullopt;
   return (means[(means.size() - 1) / 2] + means[means.size() / 2]) / 2;

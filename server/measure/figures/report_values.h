@@ -27,9 +27,8 @@ std::vector<Sample> by_bucket(const nlohmann::json& buckets, std::string_view ke
 /// By server: how many bodies it hosts at the end of each bucket.
 std::vector<std::vector<Sample>> bodies_by_server(const nlohmann::json& buckets);
 
-/// Of the whole run: a number that stands in the report, in its `last_10_s`, or in another part of
-/// it. For counts by bucket see sum_of().
-std::optional<double> number_of_run(const nlohmann::json& report, std::string_view key);
+/// By the names on the way to it, such as "last_10_s/efficiency".
+std::optional<double> number_at(const nlohmann::json& report, std::string_view path);
 
 /// Over all buckets; nothing if one of them does not have it.
 std::optional<double> sum_of(const nlohmann::json& report, std::string_view key);

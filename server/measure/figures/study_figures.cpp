@@ -37,9 +37,9 @@ std::vector<Quantity> quantities() {
            [](const auto& report) { return sum_of(report, "missed_interactions"); }},
           {"changes of owner", [](const auto& report) { return sum_of(report, "migrations"); }},
           {"jump at handoff (p99), mm",
-           [](const auto& report) { return number_of_run(report, "handoff_jump_mm_p99"); }},
+           [](const auto& report) { return number_at(report, "total/handoff_jump_mm/p99"); }},
           {"busiest server's frame, ms",
-           [](const auto& report) { return number_of_run(report, "worst_server_ms"); }}};
+           [](const auto& report) { return number_at(report, "last_10_s/worst_server_ms"); }}};
 }
 
 Scale varied_scale(const Varied& varied, const StudyRuns& runs) {
@@ -217,7 +217,7 @@ void add_weak_figure(const StudyRuns& runs, std::vector<Figure>& figures,
                                     run->plan.name(), what));
     };
     note(median, "times of its servers", median_server_ms(run->report));
-    note(worst, "worst_server_ms", number_of_run(run->report, "worst_server_ms"));
+    note(worst, "worst_server_ms", number_at(run->report, "last_10_s/worst_server_ms"));
     const auto sent = bytes_per_server_and_s(run->report);
     note(bytes, "bytes of its links", sent ? std::optional(*sent / 1e3) : std::nullopt);
   }
