@@ -51,7 +51,8 @@ class Bars {
   }
 
   void at_least(std::string bar, double limit, std::optional<double> value) {
-    if (!value) return add(std::move(bar), fmt::format("at least {:.2f}", limit), "no run", {});
+    if (!value)
+      return add(std::move(bar), fmt::format("at least {:.2f}", limit), "no run", Verdict::unknown);
     add(std::move(bar), fmt::format("at least {:.2f}", limit), fmt::format("{:.3f}", *value),
         *value >= limit ? Verdict::passed : Verdict::failed);
   }
@@ -92,7 +93,7 @@ class Bars {
                       wanted = "falls in every 5 s after the first 10 s";
     const FinishedRun *before = find(runs_, study, "adaptive", few),
                       *after = find(runs_, study, "adaptive", many);
-    if (before == nullptr || after == nullptr) return add(bar, wanted, "no run", {});
+    if (before == nullptr || after == nullptr) return add(bar, wanted, "no run", Verdict::unknown);
     std::size_t looked = 0, fell = 0;
     std::string rises;
     const auto with_many = by_bucket(buckets_of(after->report), key);
@@ -174,7 +175,7 @@ class Bars {
                  after = many == nullptr ? 0 : median_server_ms(many->report).value_or(0);
     const std::string bar = "weak scaling: the median server's frame at 64 against 4 servers",
                       wanted = "at most 10 % apart";
-    if (before <= 0 || after <= 0) return add(bar, wanted, "no run", {});
+    if (before <= 0 || after <= 0) return add(bar, wanted, "no run", Verdict::unknown);
     const double more = after / before - 1;
     add(bar, wanted, fmt::format("{:+.1f} % ({:.3f} → {:.3f} ms)", more * 100, before, after),
         std::abs(more) <= 0.1 ? Verdict::passed : Verdict::failed);

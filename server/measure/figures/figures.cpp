@@ -91,8 +91,8 @@ std::string colour_of(const std::string& mode) {
   return mode == "adaptive" ? colour::blue : mode == "paper" ? colour::vermilion : colour::grey;
 }
 
-Mark mark_of(const std::string& mode) {
-  return mode == "paper" ? Mark::square : Mark::circle;
+PointMark mark_of(const std::string& mode) {
+  return mode == "paper" ? PointMark::square : PointMark::circle;
 }
 
 std::string servers_in_words(int servers) {

@@ -52,7 +52,7 @@ Figure figure_of(std::string name, const Sheet& sheet);
 /// Blue for `adaptive`, vermilion for `paper`.
 std::string colour_of(const std::string& mode);
 /// A circle for `adaptive`, a square for `paper`.
-Mark mark_of(const std::string& mode);
+PointMark mark_of(const std::string& mode);
 /// "1 server", "4 servers".
 std::string servers_in_words(int servers);
 

@@ -19,7 +19,7 @@ Points points_of(const std::vector<Sample>& samples, bool above_zero) {
 Scale time_scale(double seconds, double room) {
   Scale scale = linear_scale("time, s", seconds);
   scale.to = seconds * room;
-  std::erase_if(scale.ticks, [&](const Tick& tick) { return tick.at > seconds * 1.001; });
+  std::erase_if(scale.ticks, [&](const AxisTick& tick) { return tick.at > seconds * 1.001; });
   return scale;
 }
 

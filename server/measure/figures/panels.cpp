@@ -35,8 +35,8 @@ int line_type(Dash dash) {
   return dash == Dash::dashed ? 12 : 11;
 }
 
-int point_type(Mark mark) {
-  return mark == Mark::circle ? 7 : mark == Mark::triangle ? 9 : 5;
+int point_type(PointMark mark) {
+  return mark == PointMark::circle ? 7 : mark == PointMark::triangle ? 9 : 5;
 }
 
 /// About: gnuplot cannot know the viewer's font either.
@@ -95,7 +95,7 @@ class Script {
         add("set arrow from {} to {} nohead lt {} lc rgb \"{}\" lw {}\n", screen(x, y),
             screen(x + 30, y), line_type(entry.dash), entry.colour,
             entry.dash == Dash::thin ? "1" : "2.5");
-        if (entry.mark != Mark::none)
+        if (entry.mark != PointMark::none)
           add("set label \"\" at {} point pt {} ps 0.6 lc rgb \"{}\"\n", screen(x + 15, y),
               point_type(entry.mark), entry.colour);
       }
@@ -168,8 +168,8 @@ class Script {
     for (const Rule& rule : panel.rules) {
       if (rule.at < panel.y.from || rule.at > panel.y.to) continue;
       const double y = y_px(panel, rule.at), right = panel.left + panel.width;
-      add("set arrow from {} to {} nohead front lt 11 lc rgb \"#444444\" lw 0.8\n",
-          screen(panel.left, y), screen(right, y));
+      add("set arrow from {} to {} nohead {} lt 11 lc rgb \"#444444\" lw 0.8\n",
+          screen(panel.left, y), screen(right, y), panel.bars.empty() ? "back" : "front");
       label(quoted(rule.label), screen(right + 5, y), "left font \",11\"", "#444444");
     }
   }
@@ -193,9 +193,9 @@ class Script {
       for (const auto& [x, y] : curve.points) rows += fmt::format("{} {}\n", plain(x), plain(y));
       if (rows.empty()) continue;
       data(rows, fmt::format("with {} lt {} lc rgb \"{}\" lw {}{}",
-                             curve.mark != Mark::none ? "linespoints" : "lines",
+                             curve.mark != PointMark::none ? "linespoints" : "lines",
                              line_type(curve.dash), curve.colour, plain(curve.width),
-                             curve.mark != Mark::none
+                             curve.mark != PointMark::none
                                  ? fmt::format(" pt {} ps 0.5", point_type(curve.mark))
                                  : ""));
     }

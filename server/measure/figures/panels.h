@@ -27,7 +27,7 @@ inline constexpr const char* quiet = "#666666";
 /// `step` of `steps` from dark blue to light yellow-green, for what has an order.
 std::string ordered_colour(std::size_t step, std::size_t steps);
 
-struct Tick {
+struct AxisTick {
   double at = 0;
   std::string text;
 };
@@ -36,7 +36,7 @@ struct Scale {
   std::string label;
   double from = 0, to = 1;
   bool logarithmic = false;
-  std::vector<Tick> ticks;
+  std::vector<AxisTick> ticks;
   bool named = true;  ///< Whether label and ticks' texts are written.
 };
 /// From 0 to at least `largest`, at round numbers.
@@ -48,14 +48,14 @@ using Points = std::vector<std::pair<double, double>>;
 
 enum class Dash { solid, dashed, thin };
 /// Shapes, so that curves are told apart where they lie on each other and without colours.
-enum class Mark { none, circle, triangle, square };
+enum class PointMark { none, circle, triangle, square };
 
 struct Curve {
   Points points;
   std::string colour;
   Dash dash = Dash::solid;
-  Mark mark = Mark::none;  ///< At each point.
-  std::string label;       ///< Beside its last point.
+  PointMark mark = PointMark::none;  ///< At each point.
+  std::string label;                 ///< Beside its last point.
   double width = 2;
 };
 
@@ -84,7 +84,7 @@ struct Legend {
   std::string label, colour;
   Dash dash = Dash::solid;
   bool filled = false;  ///< A square instead of a line.
-  Mark mark = Mark::none;
+  PointMark mark = PointMark::none;
 };
 
 /// A whole picture.

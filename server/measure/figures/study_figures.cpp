@@ -51,7 +51,7 @@ Scale varied_scale(const Varied& varied, const StudyRuns& runs) {
   if (!varied.logarithmic) {
     Scale scale = linear_scale(varied.label, values.back());
     scale.to = std::max(values.back(), 1e-3) * 1.04;
-    std::erase_if(scale.ticks, [&](const Tick& tick) { return tick.at > scale.to; });
+    std::erase_if(scale.ticks, [&](const AxisTick& tick) { return tick.at > scale.to; });
     return scale;
   }
   values.erase(std::unique(values.begin(), values.end()), values.end());
@@ -66,13 +66,13 @@ Sheet grid_of(const StudyRuns& runs, const std::vector<Varied>& columns,
   struct Look {
     const char *kind, *colour;
     Dash dash;
-    Mark mark;
+    PointMark mark;
   };
   // The last one is on top.
   static constexpr Look looks[] = {
-      {"paper", colour::vermilion, Dash::solid, Mark::square},
-      {"adaptive", colour::blue, Dash::solid, Mark::circle},
-      {"adaptive, tolerances follow", colour::green, Dash::dashed, Mark::triangle}};
+      {"paper", colour::vermilion, Dash::solid, PointMark::square},
+      {"adaptive", colour::blue, Dash::solid, PointMark::circle},
+      {"adaptive, tolerances follow", colour::green, Dash::dashed, PointMark::triangle}};
   Sheet sheet;
   const double wide = (900.0 - 74 + 12) / static_cast<double>(columns.size());
   double top = 132;
@@ -204,9 +204,9 @@ void add_tolerances_figure(const StudyRuns& runs, std::vector<Figure>& figures,
 void add_weak_figure(const StudyRuns& runs, std::vector<Figure>& figures,
                      std::vector<std::string>& notes) {
   if (runs.runs.empty()) return;
-  Curve median{{}, colour::blue, Dash::solid, Mark::circle, "median", 2},
-      worst{{}, colour::sky, Dash::solid, Mark::triangle, "busiest", 2},
-      bytes{{}, colour::green, Dash::solid, Mark::circle, "", 2};
+  Curve median{{}, colour::blue, Dash::solid, PointMark::circle, "median", 2},
+      worst{{}, colour::sky, Dash::solid, PointMark::triangle, "busiest", 2},
+      bytes{{}, colour::green, Dash::solid, PointMark::circle, "", 2};
   for (const FinishedRun* run : runs.runs) {
     const double servers = run->plan.servers;
     const auto note = [&](Curve& curve, const char* what, std::optional<double> value) {

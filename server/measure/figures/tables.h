@@ -8,7 +8,7 @@
 
 namespace aureole {
 
-enum class Verdict { passed, failed, unknown };
+enum class Verdict { unknown, passed, failed };
 
 /// One demand.
 struct BarResult {
