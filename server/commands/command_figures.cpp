@@ -151,10 +151,11 @@ void add_experiment_figures(CLI::App& experiment, int& exit_code) {
       "on where it was stopped.");
   // An argument that is required would take the word "figures" for itself, so that whether there is
   // a layout is looked at when all words have been read.
-  experiment.get_option("layout")->required(false);
-  experiment.parse_complete_callback([&experiment, command] {
-    CLI::Option* const layout = experiment.get_option("layout");
-    if (experiment.get_subcommands().empty() && layout->count() == 0)
+  CLI::Option* const layout = experiment.get_option("layout");
+  const bool wanted = layout->get_required();
+  layout->required(false);
+  experiment.parse_complete_callback([&experiment, command, layout, wanted] {
+    if (wanted && experiment.get_subcommands().empty() && layout->count() == 0)
       throw CLI::RequiredError("layout");
     if (!experiment.got_subcommand(command)) return;
     for (const CLI::Option* option : experiment.get_options())
