@@ -12,7 +12,6 @@
 #include "server/measure/figures/figures.h"
 #include "server/measure/figures/runner.h"
 #include "server/measure/figures/tables.h"
-#include "server/ops/installation.h"
 
 namespace aureole {
 namespace {
@@ -74,14 +73,15 @@ class StopDescriptor {
 };
 
 Result<RunnerOutcome> make_runs(const Options& o) {
-  const auto build = build_version(executable_path());
+  // This very executable, also when another one has been built in its place hours later.
+  const std::string self = fmt::format("/proc/{}/exe", getpid());
+  const auto build = build_version(self);
   if (!build) return build.error();
   const StopDescriptor stop;
   StatusLine status;
   const RunnerReport report{[&](const std::string& line) { status.say(line); },
                             [&](const std::string& what) { status.show(what); }};
-  return run_plan(plan_of(o.plan),
-                  {executable_path(), *build, o.out, o.jobs, o.any_build, stop.get()}, report);
+  return run_plan(plan_of(o.plan), {self, *build, o.out, o.jobs, o.any_build, stop.get()}, report);
 }
 
 /// Figures and tables from what lies in DIR/runs. Whether all could be written.
