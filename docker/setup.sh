@@ -1,7 +1,7 @@
 #!/bin/sh
 # Installs from Debian's packages what Aureole needs and this machine lacks; does nothing when all is there.
 #   docker/setup.sh build      compiler, libraries and esbuild: what ./run needs
-#   docker/setup.sh test       the same, Catch2, Chromium and Node.js with the packages of web/: what ./test needs
+#   docker/setup.sh test       the same, Catch2, gnuplot, Chromium and Node.js with the packages of web/: what ./test needs
 #   docker/setup.sh runtime    only the shared libraries of a built aureole: what the Docker image needs
 #   docker/setup.sh list WHAT  prints the names for build, test or runtime, one a line, and changes nothing
 set -eu
@@ -10,7 +10,7 @@ set -eu
 build_packages="g++ cmake ninja-build pkg-config|pkgconf ccache esbuild \
  libbullet-dev libeigen3-dev libboost-dev libosmesa6-dev libgl-dev libturbojpeg0-dev \
  nlohmann-json3-dev libflatbuffers-dev flatbuffers-compiler libcli11-dev libspdlog-dev libfmt-dev"
-test_packages="catch2 libpng-dev procps chromium"
+test_packages="catch2 libpng-dev procps chromium gnuplot-nox"
 runtime_packages="libbullet3.24t64|libbullet3.24 libosmesa6 libturbojpeg0 libspdlog1.15|libspdlog1.10 libfmt10|libfmt9"
 
 top=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)

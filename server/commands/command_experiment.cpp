@@ -215,6 +215,7 @@ void add_experiment(CLI::App& app, int& exit_code) {
     // A subcommand does its own work.
     if (command->get_subcommands().empty()) exit_code = run(*o);
   });
+  add_experiment_figures(*command, exit_code);
 }
 
 }  // namespace aureole

@@ -23,6 +23,7 @@ void add_bench_scenes(CLI::App& bench, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_experiment(CLI::App& app, int& exit_code);
 /// Of `aureole experiment`.
+void add_experiment_figures(CLI::App& experiment, int& exit_code);
 void add_real_time(CLI::App& experiment, int& exit_code);
 
 inline constexpr int exit_ok = 0;

@@ -1,0 +1,254 @@
+// The table of studies, and the runs that its rows stand for.
+#include "server/measure/figures/plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace aureole {
+namespace {
+
+/// What a row varies beside servers and kinds.
+enum class Knob { none, latency, jitter, loss, speed_tolerance, latency_tolerance };
+
+/// Who is measured.
+struct Kind {
+  const char* mode;
+  bool follow = false;
+};
+
+struct Row {
+  Study study;
+  const char* layout;
+  std::vector<int> servers;
+  std::vector<Kind> kinds;
+  double seconds;
+  int repeats;
+  Knob knob = Knob::none;
+  std::vector<double> values = {0};
+  PlannedNetwork network = {};
+  PlannedTolerances tolerances = {};
+  double rate_per_s = 160;
+  bool references = false;
+};
+
+const std::vector<Kind> both = {{"adaptive"}, {"paper"}};
+const std::vector<Kind> fixed_and_following = {{"adaptive"}, {"adaptive", true}, {"paper"}};
+
+/// Studies of the network vary one property of it and leave the others at these. Half of the
+/// latency as jitter would hide what latency alone does.
+constexpr PlannedNetwork slow = {20, 0, 0};
+/// What must be larger than its latency tolerance to show what a small aura misses.
+constexpr PlannedNetwork late = {20, 10, 0};
+/// 60 s of it are 6,300 bodies on 4 servers, 100,800 on 64.
+constexpr double weak_rate_per_s = 105;
+
+// clang-format off
+/// Everything that the paper shows and the studies ask for. A grid's rate is that of 4 servers.
+const std::vector<Row>& full_table() {
+  static const std::vector<Row> table = {
+    {Study::fig5, "column", {1, 2, 3, 4, 5, 6, 7, 8, 9, 10}, both, 60, 5, Knob::none, {0}, {}, {}, 160, true},
+    {Study::fig7, "corner", {1, 3, 4, 9},                    both, 60, 5, Knob::none, {0}, {}, {}, 160, true},
+    {Study::latency, "corner", {4}, fixed_and_following, 30, 1, Knob::latency, {0, 2, 5, 10, 20, 35, 50, 75, 100}, {0, 0, 0}},
+    {Study::latency, "corner", {4}, fixed_and_following, 30, 1, Knob::jitter,  {5, 10, 15, 20},   slow},
+    {Study::latency, "corner", {4}, fixed_and_following, 30, 1, Knob::loss,    {0.1, 0.5, 1, 2, 5}, slow},
+    {Study::tolerances, "corner", {4}, both, 30, 1, Knob::speed_tolerance,   {4, 8, 16, 32, 64}},
+    {Study::tolerances, "corner", {4}, both, 30, 1, Knob::latency_tolerance, {1, 2, 5, 10, 20, 40, 80}, late},
+    {Study::weak, "grid", {4, 16, 64}, {{"adaptive"}}, 60, 1, Knob::none, {0}, {}, {}, weak_rate_per_s},
+  };
+  return table;
+}
+
+/// About half an hour of one core.
+const std::vector<Row>& quick_table() {
+  static const std::vector<Row> table = {
+    {Study::fig5, "column", {1, 2, 4, 10}, both, 20, 1, Knob::none, {0}, {}, {}, 160, true},
+    {Study::fig7, "corner", {1, 4, 9},     both, 20, 1, Knob::none, {0}, {}, {}, 160, true},
+    {Study::latency, "corner", {4}, fixed_and_following, 15, 1, Knob::latency, {0, 5, 20, 50, 100}, {0, 0, 0}},
+    {Study::latency, "corner", {4}, fixed_and_following, 15, 1, Knob::jitter,  {10, 20}, slow},
+    {Study::latency, "corner", {4}, fixed_and_following, 15, 1, Knob::loss,    {1, 5},   slow},
+    {Study::tolerances, "corner", {4}, both, 15, 1, Knob::speed_tolerance,   {8, 32, 64}},
+    {Study::tolerances, "corner", {4}, both, 15, 1, Knob::latency_tolerance, {2, 20, 80}, late},
+    {Study::weak, "grid", {4, 16, 64}, {{"adaptive"}}, 15, 1, Knob::none, {0}, {}, {}, weak_rate_per_s},
+  };
+  return table;
+}
+// clang-format on
+
+void turn(Knob knob, double value, PlannedRun& run) {
+  switch (knob) {
+    case Knob::none:
+      return;
+    case Knob::latency:
+      run.network.latency_ms = value;
+      return;
+    case Knob::jitter:
+      run.network.jitter_ms = value;
+      return;
+    case Knob::loss:
+      run.network.loss_pct = value;
+      return;
+    case Knob::speed_tolerance:
+      run.tolerances.speed_mps = value;
+      return;
+    case Knob::latency_tolerance:
+      run.tolerances.latency_ms = value;
+      return;
+  }
+}
+
+void add_runs(const Row& row, const PlanOptions& options, std::vector<PlannedRun>& plan) {
+  for (const double value : row.values)
+    for (const int servers : row.servers)
+      for (const Kind& kind : row.kinds) {
+        PlannedRun run;
+        run.study = row.study;
+        run.layout = row.layout;
+        run.servers = servers;
+        run.mode = kind.mode;
+        run.seconds = options.seconds.value_or(row.seconds);
+        run.rate_per_s = options.rate_per_s.value_or(row.rate_per_s);
+        run.repeats = options.repeats.value_or(row.repeats);
+        run.seed = options.seed;
+        run.network = row.network;
+        run.tolerances = row.tolerances;
+        run.tolerances.follow = kind.follow;
+        turn(row.knob, value, run);
+        run.references = row.references;
+        // Oracles of 100,000 bodies would take longer than everything else together.
+        run.judged = servers <= 16;
+        plan.push_back(std::move(run));
+      }
+}
+
+/// A number as one would type it, and as a part of a file's name.
+std::string plain(double value) {
+  return fmt::format("{:g}", value);
+}
+
+}  // namespace
+
+std::string_view word_of(Study study) {
+  switch (study) {
+    case Study::fig5:
+      return "fig5";
+    case Study::fig7:
+      return "fig7";
+    case Study::latency:
+      return "latency";
+    case Study::tolerances:
+      return "tolerances";
+    case Study::weak:
+      return "weak";
+  }
+  return "";
+}
+
+std::optional<Study> study_from(std::string_view word) {
+  for (const Study study : every_study)
+    if (word_of(study) == word) return study;
+  return std::nullopt;
+}
+
+std::string PlannedRun::name() const {
+  std::string name = fmt::format("{}-{}-{:02}-{}", word_of(study), layout, servers, mode);
+  if (study == Study::latency)
+    name += fmt::format("-latency-{}-jitter-{}-loss-{}-{}", plain(network.latency_ms),
+                        plain(network.jitter_ms), plain(network.loss_pct),
+                        tolerances.follow ? "follow" : "fixed");
+  if (study == Study::tolerances)
+    name += fmt::format("-latency-{}-speed-tolerance-{}-latency-tolerance-{}",
+                        plain(network.latency_ms), plain(tolerances.speed_mps),
+                        plain(tolerances.latency_ms));
+  return name;
+}
+
+std::vector<std::string> PlannedRun::arguments() const {
+  std::vector<std::string> words = {"experiment", layout};
+  const auto option = [&](const char* name, std::string value) {
+    words.insert(words.end(), {name, std::move(value)});
+  };
+  option("--servers", std::to_string(servers));
+  option("--mode", mode);
+  option("--seconds", plain(seconds));
+  option("--rate", plain(rate_per_s));
+  option("--seed", std::to_string(seed));
+  option("--repeat", std::to_string(repeats));
+  option("--latency-ms", plain(network.latency_ms));
+  option("--jitter-ms", plain(network.jitter_ms));
+  // What is as the paper has it is left to the defaults.
+  if (network.loss_pct != PlannedNetwork{}.loss_pct) option("--loss-pct", plain(network.loss_pct));
+  if (tolerances.speed_mps != PlannedTolerances{}.speed_mps)
+    option("--speed-tolerance", plain(tolerances.speed_mps));
+  if (tolerances.latency_ms != PlannedTolerances{}.latency_ms)
+    option("--latency-tolerance", plain(tolerances.latency_ms));
+  if (tolerances.follow) option("--tolerances", "follow");
+  if (!judged) words.push_back("--no-judge");
+  if (!references) words.push_back("--no-references");
+  return words;
+}
+
+double PlannedRun::cost() const {
+  // Every tick steps what has come so far. The oracles take about as long as the servers; of the
+  // references, `cut` and `ideal` take half of that and `single` as much as all servers together.
+  const double rate = study == Study::weak ? rate_per_s * servers / 4 : rate_per_s;
+  const double world = seconds * seconds * rate;
+  return world * (repeats * (references ? 3.0 : 1.0) + (judged ? 2.0 : 0.0));
+}
+
+nlohmann::json to_json(const PlannedRun& run) {
+  return {{"study", word_of(run.study)},
+          {"layout", run.layout},
+          {"servers", run.servers},
+          {"mode", run.mode},
+          {"seconds", run.seconds},
+          {"rate_per_s", run.rate_per_s},
+          {"repeats", run.repeats},
+          {"seed", run.seed},
+          {"latency_ms", run.network.latency_ms},
+          {"jitter_ms", run.network.jitter_ms},
+          {"loss_pct", run.network.loss_pct},
+          {"speed_tolerance_mps", run.tolerances.speed_mps},
+          {"latency_tolerance_ms", run.tolerances.latency_ms},
+          {"tolerances_follow", run.tolerances.follow},
+          {"judged", run.judged},
+          {"references", run.references}};
+}
+
+Result<PlannedRun> planned_run_from(const nlohmann::json& value) {
+  try {
+    PlannedRun run;
+    const auto study = study_from(value.at("study").get<std::string>());
+    if (!study) return Error{"`study` is none of the studies"};
+    run.study = *study;
+    value.at("layout").get_to(run.layout);
+    value.at("servers").get_to(run.servers);
+    value.at("mode").get_to(run.mode);
+    value.at("seconds").get_to(run.seconds);
+    value.at("rate_per_s").get_to(run.rate_per_s);
+    value.at("repeats").get_to(run.repeats);
+    value.at("seed").get_to(run.seed);
+    value.at("latency_ms").get_to(run.network.latency_ms);
+    value.at("jitter_ms").get_to(run.network.jitter_ms);
+    value.at("loss_pct").get_to(run.network.loss_pct);
+    value.at("speed_tolerance_mps").get_to(run.tolerances.speed_mps);
+    value.at("latency_tolerance_ms").get_to(run.tolerances.latency_ms);
+    value.at("tolerances_follow").get_to(run.tolerances.follow);
+    value.at("judged").get_to(run.judged);
+    value.at("references").get_to(run.references);
+    return run;
+  } catch (const nlohmann::json::exception& wrong) {
+    return Error{wrong.what()};
+  }
+}
+
+std::vector<PlannedRun> plan_of(const PlanOptions& options) {
+  std::vector<PlannedRun> plan;
+  for (const Row& row : options.quick ? quick_table() : full_table())
+    if (options.only.empty() || std::count(options.only.begin(), options.only.end(), row.study) > 0)
+      add_runs(row, options, plan);
+  return plan;
+}
+
+}  // namespace aureole

@@ -1,0 +1,184 @@
+// Runs to pictures: which are drawn, from what, and that gnuplot really draws them.
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include "server/measure/figures/figures.h"
+#include "server/ops/snapshot_file.h"
+#include "tests/support/catch.h"
+#include "tests/unit/measure/figures/small_runs.h"
+
+using namespace aureole;
+
+namespace {
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::unique_ptr<TemporaryFolder> folder() {
+  auto made = TemporaryFolder::make(std::filesystem::temp_directory_path());
+  REQUIRE(made);
+  return std::move(*made);
+}
+
+/// Runs of both studies that vary network and tolerances.
+std::vector<FinishedRun> varied_runs() {
+  std::vector<FinishedRun> runs;
+  PlanOptions options;
+  options.quick = true;
+  options.only = {Study::latency, Study::tolerances};
+  for (const PlannedRun& planned : plan_of(options)) {
+    FinishedRun run = small_run(planned.study, planned.mode, planned.servers);
+    run.plan = planned;
+    runs.push_back(std::move(run));
+  }
+  return runs;
+}
+
+std::vector<FinishedRun> all_runs() {
+  auto runs = small_runs();
+  for (FinishedRun& run : varied_runs()) runs.push_back(std::move(run));
+  return runs;
+}
+
+const Figure& named(const std::vector<Figure>& figures, const std::string& name) {
+  const auto found = std::find_if(figures.begin(), figures.end(),
+                                  [&](const Figure& figure) { return figure.name == name; });
+  REQUIRE(found != figures.end());
+  return *found;
+}
+
+std::size_t count(const std::string& text, const std::string& what) {
+  std::size_t n = 0;
+  for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++n;
+  return n;
+}
+
+}  // namespace
+
+TEST_CASE("whole runs give every figure, and nothing to say about them") {
+  std::vector<std::string> notes;
+  std::set<std::string> names;
+  for (const Figure& figure : figures_of(all_runs(), notes)) names.insert(figure.name);
+  CHECK(names == std::set<std::string>{"fig5", "fig7", "efficiency", "split-columns",
+                                       "split-corners", "hosted", "latency", "tolerances", "weak"});
+  CHECK(notes.empty());
+}
+
+TEST_CASE("gnuplot draws every figure without a complaint, twice the same") {
+  REQUIRE(find_gnuplot());
+  std::vector<std::string> notes;
+  const auto out = folder();
+  for (const Figure& figure : figures_of(all_runs(), notes)) {
+    CAPTURE(figure.name);
+    const auto drawn = draw(figure, out->path());
+    CAPTURE(drawn ? "" : drawn.error().message);
+    REQUIRE(drawn);
+    const std::string svg = text_of(out->path() / (figure.name + ".svg"));
+    CHECK(svg.find("<svg") != std::string::npos);
+    CHECK(svg.find("</svg>") != std::string::npos);
+    CHECK(svg.find("<title>" + figure.name + "</title>") != std::string::npos);
+    // Opaque, so that dark viewers show it as it was meant.
+    CHECK(svg.find("fill=\"#ffffff\"") != std::string::npos);
+    CHECK(svg.find(figure_font) == std::string::npos);
+    CHECK(svg.find("20 s at 160 bodies/s") + svg.find("15 s at 160 bodies/s") !=
+          2 * std::string::npos);
+    CHECK(text_of(out->path() / "scripts" / (figure.name + ".gp")) == figure.script);
+    REQUIRE(draw(figure, out->path()));
+    CHECK(text_of(out->path() / (figure.name + ".svg")) == svg);
+  }
+  // Nothing half done is left.
+  for (const auto& entry : std::filesystem::directory_iterator(out->path()))
+    CHECK((entry.is_directory() || entry.path().extension() == ".svg"));
+}
+
+TEST_CASE("what gnuplot complains of is the error, and no picture is left") {
+  REQUIRE(find_gnuplot());
+  const auto out = folder();
+  const auto drawn = draw({"broken", "", "set terminal svg\nplot nonsense(\n"}, out->path());
+  REQUIRE_FALSE(drawn);
+  CHECK(drawn.error().message.find("broken.gp") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(out->path() / "broken.svg"));
+  CHECK_FALSE(draw({"empty", "", "set terminal svg\n"}, out->path()));
+}
+
+TEST_CASE("Fig. 5 has a curve for each server count in each of its three panels") {
+  std::vector<std::string> notes;
+  const auto figures = figures_of(small_runs(), notes);
+  const std::string& script = named(figures, "fig5").script;
+  CHECK(count(script, "with lines") == 3 * 4);
+  // At 20 s: one server's longest frame, and ten servers' in `ideal`.
+  CHECK(script.find("\n20 40\n") != std::string::npos);
+  CHECK(script.find("\n20 3.4\n") != std::string::npos);
+}
+
+TEST_CASE("a point without its number is left out with a sentence, the others are drawn") {
+  auto runs = varied_runs();
+  std::vector<std::string> notes;
+  const auto before = figures_of(runs, notes);
+  REQUIRE(notes.empty());
+  runs.front().report["total"].erase("handoff_jump_mm");
+  const auto after = figures_of(runs, notes);
+  REQUIRE(notes.size() == 1);
+  CHECK(notes[0].find("jump at handoff") != std::string::npos);
+  CHECK(notes[0].find("left out") != std::string::npos);
+  CHECK(named(after, "latency").script.size() < named(before, "latency").script.size());
+
+  // Nobody tells it: no panel for it.
+  for (FinishedRun& run : runs) run.report["total"].erase("handoff_jump_mm");
+  const auto without = figures_of(runs, notes);
+  CHECK(named(without, "latency").script.find("jump at handoff") == std::string::npos);
+  CHECK(named(without, "latency").script.find("missed interactions") != std::string::npos);
+
+  auto columns = small_runs();
+  notes.clear();
+  run_among(columns, Study::fig5, "paper", 4).report["last_10_s"].erase("efficiency");
+  figures_of(columns, notes);
+  CHECK(notes == std::vector<std::string>{
+                     "efficiency: fig5-column-04-paper has no efficiency, its point is left out"});
+}
+
+TEST_CASE("a figure mixes no runs of different length, rate, repeats or seed") {
+  for (const int what : {0, 1, 2, 3}) {
+    auto runs = small_runs();
+    PlannedRun& odd = run_among(runs, Study::fig5, "adaptive", 10).plan;
+    if (what == 0) odd.seconds = 60;
+    if (what == 1) odd.rate_per_s = 40;
+    if (what == 2) odd.repeats = 1;
+    if (what == 3) odd.seed = 2;
+    std::vector<std::string> notes;
+    const auto figures = figures_of(runs, notes);
+    REQUIRE(notes.size() == 1);
+    CHECK(notes[0].find("fig5-column-10-adaptive is left out") == 0);
+    // Its curves in `adaptive` and in `ideal` are gone.
+    CHECK(count(named(figures, "fig5").script, "with lines") == 3 * 4 - 2);
+  }
+}
+
+TEST_CASE("runs come back from their files as they were written, broken ones with a sentence") {
+  const auto out = folder();
+  std::filesystem::create_directories(out->path() / "runs");
+  for (const FinishedRun& run : small_runs())
+    REQUIRE(write_run(run_file(out->path(), run.plan), run));
+  std::ofstream(out->path() / "runs" / "half.json") << "{\"buckets\": [";
+  std::ofstream(out->path() / "runs" / "by-hand.json") << R"({"buckets": [{"t_end_s": 5}]})";
+  std::vector<std::string> notes;
+  const auto runs = read_runs(out->path(), {}, notes);
+  CHECK(runs.size() == 17);
+  REQUIRE(notes.size() == 2);
+  CHECK(notes[0].find("by-hand.json does not say how it was made") != std::string::npos);
+  CHECK(notes[1].find("half.json is not JSON") != std::string::npos);
+  CHECK(read_runs(out->path(), {Study::weak}, notes).size() == 3);
+  for (const FinishedRun& run : runs)
+    CHECK(run.report["buckets"] ==
+          small_run(run.plan.study, run.plan.mode, run.plan.servers).report["buckets"]);
+}
+
+TEST_CASE("no runs give no figures") {
+  std::vector<std::string> notes;
+  CHECK(figures_of({}, notes).empty());
+  CHECK(notes.empty());
+}

@@ -1,0 +1,140 @@
+// The plan: what runs, under which names, and that `aureole experiment` understands each of them.
+#include "server/measure/figures/plan.h"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "server/measure/figures/runner.h"
+#include "server/play/child_process.h"
+#include "tests/support/catch.h"
+
+using namespace aureole;
+
+namespace {
+
+std::vector<PlannedRun> quick_and_full() {
+  std::vector<PlannedRun> all = plan_of({});
+  PlanOptions quick;
+  quick.quick = true;
+  for (PlannedRun& run : plan_of(quick)) all.push_back(std::move(run));
+  return all;
+}
+
+std::set<int> servers_in(const std::vector<PlannedRun>& plan, Study study,
+                         const std::string& mode) {
+  std::set<int> servers;
+  for (const PlannedRun& run : plan)
+    if (run.study == study && run.mode == mode) servers.insert(run.servers);
+  return servers;
+}
+
+/// What a process says on stderr until it ends.
+std::string complaint_of(const std::vector<std::string>& arguments) {
+  auto child = ChildProcess::start(AUREOLE_BINARY, arguments);
+  REQUIRE(child);
+  std::string said;
+  while (child->descriptor(Output::error) >= 0) {
+    pollfd ready{child->descriptor(Output::error), POLLIN, 0};
+    poll(&ready, 1, -1);
+    child->read(Output::error, [&](const std::string& line) { said += line + "\n"; });
+  }
+  while (child->is_running()) usleep(500);
+  return said;
+}
+
+}  // namespace
+
+TEST_CASE("no two runs of a plan have the same name, or the same command line in one study") {
+  for (const bool quick : {false, true}) {
+    PlanOptions options;
+    options.quick = quick;
+    std::set<std::string> names, lines;
+    for (const PlannedRun& run : plan_of(options)) {
+      CAPTURE(run.name());
+      CHECK(names.insert(run.name()).second);
+      CHECK(lines.insert(std::string(word_of(run.study)) + command_line(run.arguments())).second);
+    }
+    CHECK(names.size() > 40);
+  }
+}
+
+TEST_CASE("the plan has the server counts of the paper, five times each, and all demands' ones") {
+  const auto plan = plan_of({});
+  for (const std::string mode : {"paper", "adaptive"}) {
+    CHECK(servers_in(plan, Study::fig5, mode) == std::set<int>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10});
+    CHECK(servers_in(plan, Study::fig7, mode) == std::set<int>{1, 3, 4, 9});
+  }
+  CHECK(servers_in(plan, Study::weak, "adaptive") == std::set<int>{4, 16, 64});
+  for (const PlannedRun& run : plan)
+    if (run.study == Study::fig5 || run.study == Study::fig7) {
+      CHECK(run.seconds == 60);
+      CHECK(run.rate_per_s == 160);
+      CHECK(run.repeats == 5);
+      CHECK(run.references);
+      CHECK(run.judged);
+      CHECK(run.network == PlannedNetwork{});
+      CHECK(run.tolerances == PlannedTolerances{});
+    }
+}
+
+TEST_CASE("every planned command line is one that aureole experiment understands") {
+  // It looks whether it can write its file before it runs, and after it has read everything else.
+  for (const PlannedRun& run : quick_and_full()) {
+    auto arguments = run.arguments();
+    CAPTURE(command_line(arguments));
+    arguments.insert(arguments.end(), {"--json", "/nonexistent/report.json"});
+    CHECK(complaint_of(arguments) == "aureole: cannot write /nonexistent/report.json\n");
+  }
+}
+
+TEST_CASE("a command line says everything in which a run differs from the paper's") {
+  PlannedRun run;
+  run.layout = "corner";
+  run.servers = 4;
+  run.network = {20, 5, 0.5};
+  run.tolerances = {16, 40, true};
+  run.judged = run.references = false;
+  CHECK(command_line(run.arguments()) ==
+        "aureole experiment corner --servers 4 --mode adaptive --seconds 60 --rate 160 --seed 1 "
+        "--repeat 1 --latency-ms 20 --jitter-ms 5 --loss-pct 0.5 --speed-tolerance 16 "
+        "--latency-tolerance 40 --tolerances follow --no-judge --no-references");
+}
+
+TEST_CASE("seconds, rate, repeats, seed and studies can be chosen") {
+  PlanOptions options;
+  options.only = {Study::fig7, Study::weak};
+  options.seconds = 5;
+  options.rate_per_s = 40;
+  options.repeats = 2;
+  options.seed = 9;
+  const auto plan = plan_of(options);
+  CHECK(plan.size() == 11);
+  for (const PlannedRun& run : plan) {
+    CHECK((run.study == Study::fig7 || run.study == Study::weak));
+    CHECK(run.seconds == 5);
+    CHECK(run.rate_per_s == 40);
+    CHECK(run.repeats == 2);
+    CHECK(run.seed == 9);
+  }
+}
+
+TEST_CASE("a run comes back from JSON as it was, and not from JSON that lacks something") {
+  for (const PlannedRun& run : quick_and_full()) {
+    const auto back = planned_run_from(to_json(run));
+    REQUIRE(back);
+    CHECK(*back == run);
+  }
+  const nlohmann::json whole = to_json(PlannedRun{});
+  for (const auto& [name, value] : whole.items()) {
+    CAPTURE(name);
+    nlohmann::json broken = whole;
+    broken.erase(name);
+    CHECK_FALSE(planned_run_from(broken));
+    broken[name] = nlohmann::json::array();
+    CHECK_FALSE(planned_run_from(broken));
+  }
+  CHECK_FALSE(planned_run_from("fig5"));
+}
