@@ -7,12 +7,13 @@
 #include "protocol/wire.h"
 #include "protocol/wire_values.h"
 #include "server/base/check.h"
+#include "server/region/aura_wire.h"
 
 namespace aureole {
 namespace {
 
-/// See server/region/aura_exchange.cpp.
-constexpr std::uint8_t asleep_flag = 1, resting_flag = 2;
+using aura_wire::asleep_flag;
+using aura_wire::resting_flag;
 
 template <class List>
 std::size_t size_of(const List* list) {
@@ -77,11 +78,17 @@ void WireCensus::note_auras(Link& link, const Frame& frame) {
   };
   forget(message->removed());
   forget(message->handed_over());
+  const auto moves = [](std::uint8_t flags) { return (flags & (asleep_flag | resting_flag)) == 0; };
   if (message->auras() != nullptr)
-    for (const wire::Aura* aura : *message->auras())
-      know(aura->id(), (aura->flags() & (asleep_flag | resting_flag)) == 0);
+    for (const wire::Aura* aura : *message->auras()) {
+      know(aura->id(), moves(aura->flags()));
+      link.slots[aura->slot()] = aura->id();
+    }
+  if (message->moved() != nullptr)
+    for (const wire::AuraMotion* aura : *message->moved())
+      know(link.slots[aura->slot()], moves(aura->flags()));
   const std::size_t resting = size_of(message->resting());
-  const bool says_something = size_of(message->auras()) + resting + size_of(message->removed()) +
+  const bool says_something = size_of(message->auras()) + size_of(message->moved()) + resting + size_of(message->removed()) +
                                   size_of(message->handed_over()) + size_of(message->pulls()) >
                               0;
   const std::uint64_t resting_bytes = resting * sizeof(wire::Resting);
@@ -106,7 +113,7 @@ void WireCensus::note_replicas(int from, const Frame& frame) {
       std::copy(motion->position()->begin(), motion->position()->end(), pose.position.begin());
       std::copy(motion->orientation()->begin(), motion->orientation()->end(),
                 pose.orientation.begin());
-      moved(poses[motion->slot()], pose);
+      moved(poses[slot_of(*motion)], pose);
     }
   }
   const std::size_t keys = size_of(message->keys());

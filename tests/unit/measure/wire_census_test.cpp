@@ -21,7 +21,23 @@ wire::Aura aura(std::uint64_t id, std::uint8_t flags) {
           flatbuffers::span<const std::uint8_t, 9>(position.data(), 9),
           flags,
           flatbuffers::span<const std::uint16_t, 3>(half.data(), 3),
-          std::uint16_t{0}};
+          std::uint16_t{0},
+          static_cast<std::uint16_t>(id)};
+}
+
+wire::AuraMotion moved(std::uint64_t id, std::uint8_t flags) {
+  const std::array<std::uint8_t, 9> position{};
+  const std::array<std::uint16_t, 3> half{};
+  return {static_cast<std::uint16_t>(id), std::uint16_t{0},
+          flatbuffers::span<const std::uint16_t, 3>(half.data(), 3),
+          flatbuffers::span<const std::uint8_t, 9>(position.data(), 9), flags};
+}
+
+Bytes moved_auras(const std::vector<wire::AuraMotion>& list) {
+  flatbuffers::FlatBufferBuilder builder;
+  const auto at = builder.CreateVectorOfStructs(list);
+  return finish_frame(builder, wire::CreateAuras(builder, 1, 0, 0, 0, 0, 0, 0, at),
+                      FrameType::auras);
 }
 
 Bytes auras(const std::vector<wire::Aura>& list, const std::vector<std::uint64_t>& removed = {},
@@ -38,8 +54,10 @@ wire::ReplicaMotion motion(std::uint32_t slot, std::uint8_t where) {
   std::array<std::uint8_t, 9> position{};
   position[0] = where;
   const std::array<std::uint8_t, 6> orientation{};
-  return {slot, flatbuffers::span<const std::uint8_t, 9>(position.data(), 9),
-          flatbuffers::span<const std::uint8_t, 6>(orientation.data(), 6), std::uint8_t{0}};
+  const auto name = wire_slot(slot);
+  return {flatbuffers::span<const std::uint8_t, 3>(name.data(), 3),
+          flatbuffers::span<const std::uint8_t, 9>(position.data(), 9),
+          flatbuffers::span<const std::uint8_t, 6>(orientation.data(), 6)};
 }
 
 wire::ReplicaKey key(std::uint32_t slot, double x) {
@@ -82,7 +100,7 @@ TEST_CASE("an aura that moves counts in each tick until it rests, sleeps or is t
   CHECK(census.counts().sign_of_life_bytes == payload(nothing));
   census.note(1, 0, nothing);  // The other way knows nothing.
   CHECK(census.counts().moving_auras == 4);
-  census.note(0, 1, auras({aura(2, 2)}));
+  census.note(0, 1, moved_auras({moved(2, 2)}));
   CHECK(census.counts().moving_auras == 5);
   census.note(0, 1, auras({}, {1}));
   CHECK(census.counts().moving_auras == 5);
