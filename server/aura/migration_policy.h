@@ -2,11 +2,13 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "server/aura/aura_capsule.h"
 #include "server/aura/aura_radius.h"
 #include "server/aura/migration_mode.h"
 #include "server/aura/overlap_grid.h"
@@ -19,7 +21,7 @@ namespace aureole {
 
 /// Longest that `HostedBody::still_ticks` counts; it travels in a byte.
 inline constexpr std::uint8_t still_ticks_max = 255;
-/// Slower than this on its whole surface, a body is still (m/s).
+/// Slower than this a body is still (m/s); see HostedBody::motion_speed_mps.
 inline constexpr double still_speed_mps = 0.15;
 /// A body that has been still for so long rests, asleep or not: 0.4 s, the paper's (section 4.2).
 inline constexpr std::uint8_t resting_ticks = 25;
@@ -30,11 +32,15 @@ struct HostedBody {
   WorldPosition position;
   Eigen::Vector3d half_extents{0, 0, 0};  ///< Of the box around the body as it stands (m).
   double bounding_radius_m = 0;           ///< R_o
+  /// What is less than `girth_m` from the segment `position` ± `half_spine` holds the body (m).
+  Eigen::Vector3d half_spine{0, 0, 0};
+  double girth_m = 0;
   Eigen::Vector3d velocity_mps{0, 0, 0};  ///< Of its centre.
-  double surface_speed_mps = 0;           ///< Fastest that any point of it moves.
+  double motion_speed_mps = 0;            ///< See motion_speed() of physics.
   bool round = false;                     ///< A sphere: it rolls where it is going.
-  bool near_ground = false;               ///< A plane is within what it can reach in flight.
-  bool near_geometry = false;             ///< So is other immovable geometry.
+  /// Air between it and the plane below, if that is within what it can reach in flight (m).
+  double ground_gap_m = std::numeric_limits<double>::infinity();
+  bool near_geometry = false;  ///< So is other immovable geometry.
   double mass_kg = 1;
   double restitution = 0;  ///< 0 … 1
   bool asleep = false;
@@ -50,30 +56,50 @@ struct HostedBody {
   /// The body that this one must be hosted with (a carried thing with the avatar); none: decides
   /// itself.
   BodyId leader;
-  /// When it last changed its owner.
+  /// When it last changed its owner, and the time before that.
   Tick changed_owner;
+  Tick changed_owner_before{-1'000'000};
+  RegionId came_from{};  ///< Whose it was before; its present owner if it was born here.
+};
+
+/// Of a body whose aura overlaps others': who would go with it.
+struct Company {
+  /// The same for all bodies of a cluster, most likely not the same for others; 0: not known.
+  std::uint16_t label = 0;
+  /// Bodies in its cluster, as a power of two: from 2^n to 2^(n+1) - 1; at most size_class_max.
+  std::uint8_t size_class = 0;
+  static constexpr std::uint8_t size_class_max = 7;
+  /// How often one of them has changed its owner within the last second: at most changes_max, and
+  /// then it should not again.
+  std::uint8_t changes = 0;
+  static constexpr std::uint8_t changes_max = 2;
+  bool crowded = false;  ///< It meets, or is near to, a third server.
+  friend bool operator==(const Company&, const Company&) = default;
 };
 
 /// An aura that another server projects to us.
 struct RemoteAura {
   BodyId id;
   RegionId host;
-  AuraBox box;  ///< In mode paper a sphere: the half extents are its radius.
+  AuraCapsule room;  ///< In mode paper a sphere.
   bool asleep = false;
   /// It rests and expects no blow (adaptive).
   bool resting = false;
   bool left_its_place = false;  ///< It is not any more where its owner last said that it rests.
   double speed_mps = 0;         ///< The fastest that it may soon move (adaptive).
   double mass_kg = 1;
+  Company company;  ///< (adaptive)
 };
 
-/// Who touches whom on this server: bodies hosted here, and others' resting bodies that they lean
-/// on.
+/// Who touches whom on this server: bodies hosted here, by their index in `hosted`, and others'
+/// resting bodies that they lean on.
 class ContactSource {
  public:
   virtual ~ContactSource() = default;
-  /// Appends the ids of all bodies, stand-ins included, that share a contact with the body.
-  virtual void touching(BodyId body, std::vector<BodyId>& found) const = 0;
+  /// Hosted bodies that share a contact with a hosted body, ascending. Valid while deciding.
+  virtual std::span<const std::uint32_t> touching(std::uint32_t body) const = 0;
+  /// How many it touches, stand-ins and others that the policy is not shown included.
+  virtual std::size_t leaning_on(std::uint32_t body) const = 0;
 };
 
 /// A server that decides for a pair asks the other one to hand a body over, with its cluster.
@@ -82,7 +108,8 @@ struct HandoverRequest {
   RegionId to;
 };
 
-/// Everything that a decision may depend on; spans ascending by id.
+/// Everything that a decision may depend on; spans ascending by id, no body in both `hosted` and
+/// `remote`.
 struct MigrationSituation {
   Tick now;
   RegionId self;
@@ -121,10 +148,11 @@ struct Pull {
 /// An aura that reaches beyond our region, and whom it concerns.
 struct ProjectedAura {
   BodyId id;
-  AuraBox box;
+  AuraCapsule room;
   bool asleep = false;
   bool resting = false;      ///< See RemoteAura.
   double speed_mps = 0;      ///< See RemoteAura.
+  Company company;           ///< See RemoteAura.
   std::vector<RegionId> to;  ///< ascending
 };
 
@@ -139,6 +167,9 @@ class MigrationPolicy {
   virtual ~MigrationPolicy() = default;
   /// Called once after every step.
   virtual MigrationDecision decide(const MigrationSituation& situation) = 0;
+  /// How far from the boundary, and from auras of others, a hosted body is of no interest (m): what
+  /// is farther away need not be shown. Infinite: all are wanted.
+  virtual double depth_m() const { return std::numeric_limits<double>::infinity(); }
   /// From the next decision on auras are sized by these.
   virtual void set_tolerances(const AuraTolerances&) {}
 };

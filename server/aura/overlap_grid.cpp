@@ -1,4 +1,4 @@
-// The grid: one counting sort by cell, then a scan of the cells around a box.
+// The grid: one counting sort by cell, then a scan of the cells under a box.
 #include "server/aura/overlap_grid.h"
 
 #include <algorithm>
@@ -8,61 +8,93 @@ namespace aureole {
 namespace {
 
 /// Worlds are wide and mostly empty: past this many cells the outer ones share the last row.
-constexpr std::int64_t side_max = 1024;
+constexpr std::int32_t side_max = 1024;
+
+std::int32_t cell_index(double metres, std::int32_t count) {
+  const double cell = metres * (1 / OverlapGrid::cell_m);
+  if (!(cell > 0)) return 0;  // Also for what is not a number.
+  return cell < count ? static_cast<std::int32_t>(cell) : count - 1;
+}
 
 }  // namespace
 
-OverlapGrid::Cell OverlapGrid::cell_of(const Eigen::Vector3d& at) const {
-  const auto index = [](double metres, std::int64_t count) {
-    const double cell = std::floor(metres / cell_m);
-    if (!(cell > 0)) return std::int64_t{0};  // Also for what is not a number.
-    return static_cast<std::int64_t>(std::min(cell, static_cast<double>(count - 1)));
-  };
-  return {index(at.x() - origin_.x(), columns_), index(at.z() - origin_.y(), rows_)};
+OverlapGrid::Cover OverlapGrid::cover_of(const AuraBox& box) const {
+  return {cell_index(box.centre.x() - box.half.x() - origin_x_, columns_),
+          cell_index(box.centre.z() - box.half.z() - origin_z_, rows_),
+          cell_index(box.centre.x() + box.half.x() - origin_x_, columns_),
+          cell_index(box.centre.z() + box.half.z() - origin_z_, rows_)};
 }
 
 void OverlapGrid::build(std::span<const AuraBox> boxes) {
   boxes_ = boxes;
-  reach_m_ = 0;
-  order_.resize(boxes.size());
+  large_.clear();
   if (boxes.empty()) return;
-  Eigen::Vector2d low(boxes[0].centre.x(), boxes[0].centre.z()), high = low;
+  double low_x = boxes[0].centre.x(), low_z = boxes[0].centre.z(), high_x = low_x, high_z = low_z;
   for (const AuraBox& box : boxes) {
-    const Eigen::Vector2d at(box.centre.x(), box.centre.z());
-    low = low.cwiseMin(at);
-    high = high.cwiseMax(at);
-    reach_m_ = std::max({reach_m_, box.half.x(), box.half.z()});
+    low_x = std::min(low_x, box.centre.x());
+    high_x = std::max(high_x, box.centre.x());
+    low_z = std::min(low_z, box.centre.z());
+    high_z = std::max(high_z, box.centre.z());
   }
-  origin_ = low;
   const auto cells = [](double metres) {
-    return std::clamp<std::int64_t>(static_cast<std::int64_t>(metres / cell_m) + 1, 1, side_max);
+    return static_cast<std::int32_t>(std::clamp(metres / cell_m + 1, 1.0, double{side_max}));
   };
-  columns_ = cells(high.x() - low.x());
-  rows_ = cells(high.y() - low.y());
+  origin_x_ = low_x;
+  origin_z_ = low_z;
+  columns_ = cells(high_x - low_x);
+  rows_ = cells(high_z - low_z);
 
-  start_.assign(static_cast<std::size_t>(columns_ * rows_ + 1), 0);
-  const auto slot = [&](const AuraBox& box) {
-    const Cell cell = cell_of(box.centre);
-    return static_cast<std::size_t>(cell.z * columns_ + cell.x);
+  const auto slot = [&](std::int32_t x, std::int32_t z) {
+    return static_cast<std::size_t>(z) * static_cast<std::size_t>(columns_) +
+           static_cast<std::size_t>(x);
   };
-  for (const AuraBox& box : boxes) ++start_[slot(box) + 1];
+  const auto each_cell = [&](const Cover& cover, auto&& visit) {
+    for (std::int32_t z = cover.low_z; z <= cover.high_z; ++z)
+      for (std::int32_t x = cover.low_x; x <= cover.high_x; ++x) visit(slot(x, z));
+  };
+  covers_.clear();
+  start_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) + 1, 0);
+  for (const AuraBox& box : boxes) {
+    const Cover cover = cover_of(box);
+    if (cover.cells() > cells_max)
+      large_.push_back(static_cast<std::uint32_t>(covers_.size()));
+    else
+      each_cell(cover, [&](std::size_t cell) { ++start_[cell + 1]; });
+    covers_.push_back(cover);
+  }
   for (std::size_t i = 1; i < start_.size(); ++i) start_[i] += start_[i - 1];
-  std::vector<std::uint32_t> next(start_.begin(), start_.end() - 1);
-  for (std::uint32_t i = 0; i < boxes.size(); ++i) order_[next[slot(boxes[i])]++] = i;
+  next_.assign(start_.begin(), start_.end() - 1);
+  entries_.resize(start_.back());
+  for (std::uint32_t i = 0; i < covers_.size(); ++i) {
+    const Cover& cover = covers_[i];
+    if (cover.cells() > cells_max) continue;
+    each_cell(cover, [&](std::size_t cell) {
+      entries_[next_[cell]++] = {i, cover.low_x, cover.low_z};
+    });
+  }
 }
 
 void OverlapGrid::find(const AuraBox& box, std::vector<std::uint32_t>& found) const {
   if (boxes_.empty()) return;
-  const auto before = found.size();
-  const Eigen::Vector3d reach(box.half.x() + reach_m_, 0, box.half.z() + reach_m_);
-  const Cell low = cell_of(box.centre - reach), high = cell_of(box.centre + reach);
-  for (std::int64_t z = low.z; z <= high.z; ++z)
-    for (std::int64_t x = low.x; x <= high.x; ++x) {
-      const auto cell = static_cast<std::size_t>(z * columns_ + x);
-      for (std::uint32_t k = start_[cell]; k < start_[cell + 1]; ++k)
-        if (boxes_[order_[k]].overlaps(box)) found.push_back(order_[k]);
+  const Cover cover = cover_of(box);
+  if (cover.cells() > static_cast<std::int64_t>(boxes_.size() + 4)) {
+    for (std::uint32_t i = 0; i < boxes_.size(); ++i)
+      if (boxes_[i].overlaps(box)) found.push_back(i);
+    return;
+  }
+  for (std::int32_t z = cover.low_z; z <= cover.high_z; ++z)
+    for (std::int32_t x = cover.low_x; x <= cover.high_x; ++x) {
+      const auto cell = static_cast<std::size_t>(z) * static_cast<std::size_t>(columns_) +
+                        static_cast<std::size_t>(x);
+      for (std::uint32_t k = start_[cell]; k < start_[cell + 1]; ++k) {
+        const Entry& entry = entries_[k];
+        if (std::max(entry.low_x, cover.low_x) != x || std::max(entry.low_z, cover.low_z) != z)
+          continue;
+        if (boxes_[entry.box].overlaps(box)) found.push_back(entry.box);
+      }
     }
-  std::sort(found.begin() + static_cast<std::ptrdiff_t>(before), found.end());
+  for (std::uint32_t i : large_)
+    if (boxes_[i].overlaps(box)) found.push_back(i);
 }
 
 }  // namespace aureole

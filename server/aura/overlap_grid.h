@@ -13,35 +13,59 @@ struct AuraBox {
   Eigen::Vector3d centre{0, 0, 0};
   Eigen::Vector3d half{0, 0, 0};
   bool overlaps(const AuraBox& other) const {
-    return ((centre - other.centre).cwiseAbs().array() <= (half + other.half).array()).all();
+    return std::abs(centre.x() - other.centre.x()) <= half.x() + other.half.x() &&
+           std::abs(centre.z() - other.centre.z()) <= half.z() + other.half.z() &&
+           std::abs(centre.y() - other.centre.y()) <= half.y() + other.half.y();
   }
 };
 
-/// x–z grid filled by a counting sort. Rebuilding it costs about a microsecond a body; the same
-/// through Bullet's own broadphase was measured at twenty to fifty times as much.
+/// The box around both.
+inline AuraBox joined(const AuraBox& a, const AuraBox& b) {
+  const Eigen::Vector3d low = (a.centre - a.half).cwiseMin(b.centre - b.half);
+  const Eigen::Vector3d high = (a.centre + a.half).cwiseMax(b.centre + b.half);
+  return {0.5 * (low + high), 0.5 * (high - low)};
+}
+
+/// x–z grid filled by a counting sort: a box stands in every cell that it covers, so that one large
+/// box costs its own room and not everybody's. Rebuilding takes about 50 ns a body, a question
+/// about a body among others 100 to 200; the same through Bullet's own broadphase was measured at
+/// twenty to fifty times as much.
 class OverlapGrid {
  public:
   /// Edge of a cell (unit: m): about the size of one aura.
-  static constexpr double cell_m = 4.0;
+  static constexpr double cell_m = 2.0;
+  /// What covers more cells is kept apart and asked one by one.
+  static constexpr std::int64_t cells_max = 64;
 
-  /// `boxes` must outlive the queries.
+  /// `boxes` must outlive the questions.
   void build(std::span<const AuraBox> boxes);
 
-  /// Appends the indices of all boxes that overlap `box`, ascending.
+  /// Appends the indices of all boxes that overlap `box`, each once, in an order that depends on
+  /// the boxes only.
   void find(const AuraBox& box, std::vector<std::uint32_t>& found) const;
 
  private:
-  struct Cell {
-    std::int64_t x, z;
+  /// Cells that a box covers, both ends included.
+  struct Cover {
+    std::int32_t low_x, low_z, high_x, high_z;
+    std::int64_t cells() const {
+      return std::int64_t{high_x - low_x + 1} * std::int64_t{high_z - low_z + 1};
+    }
   };
-  Cell cell_of(const Eigen::Vector3d& at) const;
+  struct Entry {
+    std::uint32_t box;
+    std::int32_t low_x, low_z;  ///< Of its cover: a pair is found in one cell only.
+  };
+  Cover cover_of(const AuraBox& box) const;
 
   std::span<const AuraBox> boxes_;
-  Eigen::Vector2d origin_{0, 0};
-  std::int64_t columns_ = 0, rows_ = 0;
-  double reach_m_ = 0;                ///< Largest half extent in x or z.
-  std::vector<std::uint32_t> start_;  ///< Of each cell in `order_`.
-  std::vector<std::uint32_t> order_;
+  double origin_x_ = 0, origin_z_ = 0;
+  std::int32_t columns_ = 0, rows_ = 0;
+  std::vector<Cover> covers_;
+  std::vector<std::uint32_t> start_;  ///< Of each cell in `entries_`.
+  std::vector<std::uint32_t> next_;
+  std::vector<Entry> entries_;
+  std::vector<std::uint32_t> large_;
 };
 
 }  // namespace aureole

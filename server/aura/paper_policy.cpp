@@ -107,7 +107,7 @@ class PaperPolicy final : public MigrationPolicy {
     for (const RemoteAura& aura : s.remote) {
       if (index_of(aura.id)) continue;  // Word of a body that has come to us since.
       others_[aura.host].ids.push_back(aura.id);
-      auras[aura.host].push_back({aura.box.centre, aura.box.half.x()});
+      auras[aura.host].push_back({aura.room.centre, aura.room.girth_m});
     }
     for (auto& [host, other] : others_) {
       other.auras.build(auras[host]);
@@ -232,7 +232,7 @@ class PaperPolicy final : public MigrationPolicy {
       if (to.empty()) continue;
       ProjectedAura& aura = decision.projected.emplace_back();
       aura.id = s.hosted[i].id;
-      aura.box = {body.aura.centre, Eigen::Vector3d::Constant(body.aura.radius)};
+      aura.room = {body.aura.centre, {0, 0, 0}, body.aura.radius};
       aura.asleep = s.hosted[i].asleep;
       aura.to = std::move(to);
     }

@@ -51,7 +51,7 @@ void hand_over(Hosting& from, Hosting& to, std::span<const BodyId> ids, Measured
   AUREOLE_CHECK(read, "what was encoded here can be read back");
   to.physics().add_stand_ins(read->stand_ins);
   std::vector<BodyId> taken;
-  const double accept_us = cpu_us_of([&] { taken = to.accept(*read, now + 1); });
+  const double accept_us = cpu_us_of([&] { taken = to.accept(*read, RegionId{0}, now + 1); });
   AUREOLE_CHECK(taken.size() == ids.size(), "the whole group is taken");
   const auto awake = static_cast<std::size_t>(
       std::count_if(group.bodies.begin(), group.bodies.end(),

@@ -60,7 +60,10 @@ Simulation::~Simulation() = default;
 
 SeedResult Simulation::run() {
   const double cpu_before = cpu_now_s();
-  while (now_ < end_) tick();
+  while (now_ < end_) {
+    tick();
+    if (end_ - now_ <= calm_ticks) all_rest();  // Notes who stirs.
+  }
   const Tick latest = end_ + static_cast<std::int64_t>(calm_extension_s * 1e6) / tick_us;
   while (now_ < latest && !all_rest()) tick();
   // A second in which nothing may change owner any more.

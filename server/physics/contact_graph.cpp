@@ -5,19 +5,24 @@
 
 namespace aureole {
 
-void ContactGraph::assign(std::span<const BodyId> ids, std::span<const Edge> edges) {
-  ids_.assign(ids.begin(), ids.end());
-  begin_.assign(ids.size() + 1, 0);
+void ContactGraph::assign(std::size_t members, std::span<const Edge> edges) {
+  begin_.assign(members + 1, 0);
+  outsiders_.assign(members, 0);
   for (const auto& [a, b] : edges) {
+    if (a == outside || b == outside) {
+      ++outsiders_[a == outside ? b : a];
+      continue;
+    }
     ++begin_[a + 1];
     ++begin_[b + 1];
   }
   for (std::size_t i = 1; i < begin_.size(); ++i) begin_[i] += begin_[i - 1];
   end_.assign(begin_.begin(), begin_.end() - 1);
-  partners_.resize(2 * edges.size());
+  partners_.resize(begin_.back());
   for (const auto& [a, b] : edges) {
-    partners_[end_[a]++] = ids_[b];
-    partners_[end_[b]++] = ids_[a];
+    if (a == outside || b == outside) continue;
+    partners_[end_[a]++] = b;
+    partners_[end_[b]++] = a;
   }
   for (std::size_t i = 0; i < end_.size(); ++i) {
     const auto first = partners_.begin() + begin_[i];
@@ -25,13 +30,6 @@ void ContactGraph::assign(std::span<const BodyId> ids, std::span<const Edge> edg
     std::sort(first, last);
     end_[i] = static_cast<std::uint32_t>(std::unique(first, last) - partners_.begin());
   }
-}
-
-std::span<const BodyId> ContactGraph::touching(BodyId id) const {
-  const auto found = std::lower_bound(ids_.begin(), ids_.end(), id);
-  if (found == ids_.end() || *found != id) return {};
-  const auto row = static_cast<std::size_t>(found - ids_.begin());
-  return std::span(partners_).subspan(begin_[row], end_[row] - begin_[row]);
 }
 
 }  // namespace aureole

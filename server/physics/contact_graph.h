@@ -1,6 +1,7 @@
-// Who touches whom in one world, as rows of ids: built in one pass, asked as often as one likes.
+// Who touches whom among some bodies of one world, as rows of their places: built in one pass.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -10,26 +11,33 @@
 
 namespace aureole {
 
-/// Bodies and stand-ins that share at least one contact point, awake or asleep. Static geometry is
-/// not in it.
+/// A group of bodies and stand-ins, awake or asleep, that share at least one contact point. Members
+/// are named by their places in the group; of others a member touches only their number counts.
+/// Static geometry is not in it.
 class ContactGraph {
  public:
-  /// Two places in the list of ids.
+  /// Of one who is not in the group.
+  static constexpr std::uint32_t outside = static_cast<std::uint32_t>(-1);
+  /// Two places; one of them may be `outside`.
   using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
-  /// `ids` ascend; edges come in any order and may be doubled. Keeps its memory between calls.
-  void assign(std::span<const BodyId> ids, std::span<const Edge> edges);
+  /// Edges come in any order and may be doubled. Keeps its memory between calls.
+  void assign(std::size_t members, std::span<const Edge> edges);
 
-  /// Everybody, ascending, whether they touch anything or not.
-  std::span<const BodyId> ids() const { return ids_; }
-  /// Ascending; empty for one who touches nobody or is not in the graph.
-  std::span<const BodyId> touching(BodyId id) const;
+  /// Members that a member touches, ascending.
+  std::span<const std::uint32_t> touching(std::uint32_t member) const {
+    return std::span(partners_).subspan(begin_[member], end_[member] - begin_[member]);
+  }
+  /// How many it touches, outsiders included; a compound outside may count more than once.
+  std::size_t leaning_on(std::uint32_t member) const {
+    return end_[member] - begin_[member] + outsiders_[member];
+  }
 
  private:
-  std::vector<BodyId> ids_;
   std::vector<std::uint32_t> begin_;  ///< Of each row in `partners_`.
   std::vector<std::uint32_t> end_;
-  std::vector<BodyId> partners_;
+  std::vector<std::uint32_t> partners_;
+  std::vector<std::uint32_t> outsiders_;
 };
 
 /// What a body of this world presses on a stand-in with.

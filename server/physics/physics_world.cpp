@@ -72,25 +72,19 @@ std::vector<BodyId> PhysicsWorld::touching(BodyId id) const {
   return bodies_touching(impl_->world, impl_->body_or_stand_in(id));
 }
 
-const ContactGraph& PhysicsWorld::contact_graph() const {
-  if (impl_->graph_is_current) return impl_->graph;
-  std::vector<BodyId> ids(impl_->bodies.ids.size() + impl_->stand_ins.ids.size());
-  std::merge(impl_->bodies.ids.begin(), impl_->bodies.ids.end(), impl_->stand_ins.ids.begin(),
-             impl_->stand_ins.ids.end(), ids.begin());
-  // Both lists ascend, and so does their merged one: each finds its places in one walk.
-  const auto number = [&](std::span<BulletBody* const> bodies) {
-    std::uint32_t place = 0;
-    for (const BulletBody* body : bodies) {
-      while (ids[place] != body->id) ++place;
-      body->graph_index = place++;
+void PhysicsWorld::contact_graph(std::span<const BodyId> group, ContactGraph& graph) const {
+  for (const BodyList* list : {&impl_->bodies, &impl_->stand_ins}) {
+    // All of them ascend: each list finds its places in one walk.
+    auto next = group.begin();
+    for (const BulletBody* body : list->bodies) {
+      while (next != group.end() && *next < body->id) ++next;
+      const bool member = next != group.end() && *next == body->id;
+      body->graph_index =
+          member ? static_cast<std::uint32_t>(next - group.begin()) : ContactGraph::outside;
     }
-  };
-  number(impl_->bodies.bodies);
-  number(impl_->stand_ins.bodies);
+  }
   find_touching(impl_->world, impl_->edges);
-  impl_->graph.assign(ids, impl_->edges);
-  impl_->graph_is_current = true;
-  return impl_->graph;
+  graph.assign(group.size(), impl_->edges);
 }
 
 bool PhysicsWorld::is_supported(BodyId id, float min_up) const {

@@ -103,7 +103,6 @@ void PhysicsWorld::Impl::destroy(BodyList& list, std::span<BulletBody* const> so
 void PhysicsWorld::Impl::changed() {
   awake_count.reset();
   awake_is_current = false;
-  graph_is_current = false;
 }
 
 std::vector<NewBody> sorted_by_id(std::span<const NewBody> bodies) {

@@ -54,9 +54,7 @@ struct PhysicsWorld::Impl {
   mutable BulletWorld world;  ///< Bullet's queries are not const; they change nothing.
   mutable std::optional<std::size_t> awake_count;
   mutable bool awake_is_current = false;
-  mutable std::vector<NewBody> awake;  ///< Kept for its memory.
-  mutable bool graph_is_current = false;
-  mutable ContactGraph graph;
+  mutable std::vector<NewBody> awake;             ///< Kept for its memory.
   mutable std::vector<ContactGraph::Edge> edges;  ///< Kept for their memory.
 };
 

@@ -56,8 +56,17 @@ struct Shape : std::variant<SphereShape, BoxShape, CapsuleShape, CylinderShape, 
 /// plane. A capsule of height 2 m and radius 0.3 m has R_o = 1 m.
 float bounding_radius(const Shape& shape);
 
-/// Fastest that any point of the shape moves, or a little more (m/s).
-float surface_speed(const Shape& shape, const Eigen::Quaternionf& orientation,
-                    const Eigen::Vector3f& velocity_mps, const Eigen::Vector3f& spin_radps);
+/// A segment through the shape's origin, and how thick it must be to hold the shape: much closer
+/// around a capsule or a plank than a sphere is.
+struct Spine {
+  Eigen::Vector3f half{0, 0, 0};  ///< From the middle to either end, in the shape's frame (m).
+  float girth = 0;                ///< m
+};
+Spine spine(const Shape& shape);
+
+/// How fast the room that the shape takes up moves, or would if its spin became motion; or a little
+/// more (m/s). A ball that spins in its place takes up no other room, but it may start to roll.
+float motion_speed(const Shape& shape, const Eigen::Quaternionf& orientation,
+                   const Eigen::Vector3f& velocity_mps, const Eigen::Vector3f& spin_radps);
 
 }  // namespace aureole

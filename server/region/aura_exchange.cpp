@@ -26,9 +26,15 @@ void take_motion(const Told& told, RemoteAura& remote) {
   remote.resting = (told.flags() & resting_flag) != 0;
   remote.left_its_place = (told.flags() & left_flag) != 0;
   remote.speed_mps = told.speed() * speed_step_mps;
-  remote.box.centre = dequantise(position).vector();
+  remote.room.centre = dequantise(position).vector();
   for (flatbuffers::uoffset_t axis = 0; axis < 3; ++axis)
-    remote.box.half[axis] = told.half_extents()->Get(axis) * extent_step_m;
+    remote.room.half_spine[axis] = told.half_spine()->Get(axis) * spine_step_m;
+  remote.room.girth_m = told.girth() * girth_step_m;
+  remote.company.label = told.cluster();
+  remote.company.size_class = told.company() & Company::size_class_max;
+  remote.company.changes =
+      std::min<std::uint8_t>((told.company() >> changes_shift) & 3, Company::changes_max);
+  remote.company.crowded = (told.company() & crowded_flag) != 0;
 }
 
 Result<RemoteAura> from_wire(const wire::Aura& aura, RegionId host) {

@@ -90,9 +90,9 @@ class AuraExchange {
   /// As it travels: equal bytes need not be sent again.
   struct Sent {
     QuantisedPosition position{};
-    std::array<std::uint16_t, 3> half_extents{};
-    std::uint8_t flags = 0;
-    std::uint16_t speed = 0;
+    std::array<std::int8_t, 3> half_spine{};
+    std::uint8_t flags = 0, company = 0;
+    std::uint16_t girth = 0, speed = 0, cluster = 0;
     friend bool operator==(const Sent&, const Sent&) = default;
   };
   /// What a peer is to know after this tick.

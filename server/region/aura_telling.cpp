@@ -20,9 +20,23 @@ std::uint16_t rounded_up(double value, double step) {
   return static_cast<std::uint16_t>(whole + (whole < steps ? 1 : 0));
 }
 
-/// Rounded up, and by the error of the quantised centre: the receiver's box holds the sender's.
-std::uint16_t quantise_extent(double metres) {
-  return rounded_up(metres + position_error_m, extent_step_m);
+struct RoundedSpine {
+  std::array<std::int8_t, 3> steps{};
+  double error_m = 0;  ///< Between an end as it is and as it is told.
+};
+
+RoundedSpine round_spine(const Eigen::Vector3d& half_spine) {
+  RoundedSpine rounded;
+  Eigen::Vector3d error = half_spine;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const double steps = std::clamp(half_spine[axis] / spine_step_m, -127.0, 127.0);
+    // The same as std::round, without its call.
+    const auto whole = static_cast<std::int8_t>(steps + (steps < 0 ? -0.5 : 0.5));
+    rounded.steps[static_cast<std::size_t>(axis)] = whole;
+    error[axis] -= whole * spine_step_m;
+  }
+  rounded.error_m = error.norm();
+  return rounded;
 }
 
 bool has_crept(const WorldPosition& from, const Eigen::Quaternionf& turned_from,
@@ -80,14 +94,16 @@ void AuraExchange::tell(Peer& peer, const Wanted& wanted, Projection& projection
   if (known && projection.sent == sent) return;
   projection.sent = sent;
   const flatbuffers::span<const std::uint8_t, 9> position(sent.position.data(), 9);
-  const flatbuffers::span<const std::uint16_t, 3> half_extents(sent.half_extents.data(), 3);
+  const flatbuffers::span<const std::int8_t, 3> half_spine(sent.half_spine.data(), 3);
   if (known && projection.slot != no_slot) {
-    message.moved.emplace_back(projection.slot, sent.speed, half_extents, position, sent.flags);
+    message.moved.emplace_back(projection.slot, sent.speed, sent.girth, sent.cluster, position,
+                               half_spine, sent.flags, sent.company);
     return;
   }
   if (!known) projection.slot = take_slot(peer);
   message.auras.emplace_back(wanted.id.value, static_cast<float>(bodies.mass_kg(wanted.id)),
-                             position, sent.flags, half_extents, sent.speed, projection.slot);
+                             projection.slot, sent.speed, sent.girth, sent.cluster, position,
+                             half_spine, sent.flags, sent.company);
 }
 
 SharedBytes AuraExchange::frame_for(Peer& peer, const std::vector<HandoverRequest>& pulls, Tick now,
@@ -152,9 +168,16 @@ void AuraExchange::announce(Tick now, const MigrationDecision& decision, const A
   }
   for (const ProjectedAura& aura : decision.projected) {
     Sent sent;
-    sent.position = quantise(WorldPosition::from(aura.box.centre));
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      sent.half_extents[axis] = quantise_extent(aura.box.half[static_cast<Eigen::Index>(axis)]);
+    sent.position = quantise(WorldPosition::from(aura.room.centre));
+    const RoundedSpine spine = round_spine(aura.room.half_spine);
+    sent.half_spine = spine.steps;
+    // The receiver's room holds the sender's.
+    sent.girth = rounded_up(aura.room.girth_m + spine.error_m + std::sqrt(3) * position_error_m,
+                            girth_step_m);
+    sent.cluster = aura.company.label;
+    sent.company =
+        static_cast<std::uint8_t>(aura.company.size_class | aura.company.changes << changes_shift |
+                                  (aura.company.crowded ? crowded_flag : 0));
     sent.flags = static_cast<std::uint8_t>((aura.asleep ? asleep_flag : 0) |
                                            (aura.resting ? resting_flag : 0));
     sent.speed = rounded_up(aura.speed_mps, speed_step_mps);

@@ -5,9 +5,13 @@
 
 namespace aureole::aura_wire {
 
-/// Half extents travel in steps of 1/64 m, speeds in steps of 1/64 m/s.
-inline constexpr double extent_step_m = 1.0 / 64;
+/// Spines travel in steps of 1/16 m, girths in steps of 1/64 m, speeds in steps of 1/64 m/s.
+inline constexpr double spine_step_m = 1.0 / 16;
+inline constexpr double girth_step_m = 1.0 / 64;
 inline constexpr double speed_step_mps = 1.0 / 64;
 inline constexpr std::uint8_t asleep_flag = 1, resting_flag = 2, left_flag = 4;
+/// Of `company`, whose lowest three bits are the size class, and the next two the changes.
+inline constexpr int changes_shift = 3;
+inline constexpr std::uint8_t crowded_flag = 32;
 
 }  // namespace aureole::aura_wire

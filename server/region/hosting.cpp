@@ -21,6 +21,10 @@ std::optional<Tick> moved_before(const BodyState& state) {
   return state.activation == Activation::asleep ? std::optional(never_changed) : std::nullopt;
 }
 
+std::uint8_t clamped_ticks(std::int64_t ticks, std::uint8_t most) {
+  return static_cast<std::uint8_t>(std::clamp<std::int64_t>(ticks, 0, most));
+}
+
 std::vector<BodyDefinition> definitions_of(const WorldDefinition& world) {
   std::vector<BodyDefinition> all;
   for (const auto& prototype : world.prototypes) all.push_back(prototype.body);
@@ -41,15 +45,20 @@ Hosting::Hosting(const WorldDefinition& world, RegionId self, Incarnation incarn
       definitions_(definitions_of(world)),
       statics_(statics_of(world)),
       physics_(world.physics, definitions_, statics_, bodies_expected_by(world)) {
-  for (const BodyDefinition& definition : definitions_)
+  for (const BodyDefinition& definition : definitions_) {
     radii_.push_back(bounding_radius(definition.shape));
+    spines_.push_back(aureole::spine(definition.shape));
+  }
 }
 
 void Hosting::spawn(std::span<const NewBody> bodies, std::uint32_t epoch) {
   std::vector<NewBody> born;
   for (const NewBody& body : bodies)
     // Another region may have handed a body of this name over: what was first stays.
-    if (records_.emplace(body.id, Record{epoch, never_changed, moved_before(body.state)}).second)
+    if (records_
+            .emplace(body.id,
+                     Record{epoch, never_changed, moved_before(body.state), never_changed, self_})
+            .second)
       born.push_back(body);
   physics_.add(born);
   std::vector<BodyId> sleepers;
@@ -71,15 +80,26 @@ void Hosting::remove(std::span<const BodyId> ids) {
   counts_.removed += ids.size();
 }
 
-std::uint8_t Hosting::note_stillness(BodyId id, double surface_speed_mps, Tick now) {
-  std::optional<Tick>& moved = records_.at(id).moved;
-  if (surface_speed_mps >= still_speed_mps || !moved) moved = now;
-  return still_ticks(id, now);
+void Hosting::begin_look(Tick now) {
+  look_before_ = std::exchange(last_look_, now);
+}
+
+void Hosting::look(HostedBody& body, Tick now) {
+  Record& record = records_.at(body.id);
+  if (record.looked_at < look_before_ || !record.moved)
+    record.moved = body.asleep ? never_changed : now;
+  if (body.motion_speed_mps >= still_speed_mps) record.moved = now;
+  record.looked_at = now;
+  body.still_ticks = clamped_ticks(now - *record.moved, still_ticks_max);
+  body.changed_owner = record.changed_owner;
+  body.changed_owner_before = record.changed_owner_before;
+  body.came_from = record.came_from;
 }
 
 std::uint8_t Hosting::still_ticks(BodyId id, Tick now) const {
-  const std::int64_t still = now - records_.at(id).moved.value_or(now);
-  return static_cast<std::uint8_t>(std::clamp<std::int64_t>(still, 0, still_ticks_max));
+  const Record& record = records_.at(id);
+  if (record.looked_at < last_look_) return physics_.is_asleep(id) ? still_ticks_max : 0;
+  return clamped_ticks(now - record.moved.value_or(now), still_ticks_max);
 }
 
 namespace {
@@ -134,8 +154,10 @@ Hosting::Released Hosting::release(std::span<const BodyId> ids, Tick now, Cut cu
   HandoffGroup& group = released.group;
   group.tick = now;
   for (BodyId id : ids)
-    group.bodies.push_back(
-        {{id, physics_.prototype(id), physics_.state(id)}, epoch(id), still_ticks(id, now)});
+    group.bodies.push_back({{id, physics_.prototype(id), physics_.state(id)},
+                            epoch(id),
+                            still_ticks(id, now),
+                            clamped_ticks(now - changed_owner(id), owned_ticks_max)});
   std::sort(group.bodies.begin(), group.bodies.end(),
             [](const auto& a, const auto& b) { return a.body.id < b.body.id; });
   group.contacts =
@@ -159,7 +181,7 @@ Hosting::Released Hosting::release(std::span<const BodyId> ids, Tick now, Cut cu
   return released;
 }
 
-std::vector<BodyId> Hosting::accept(const HandoffGroup& group, Tick now) {
+std::vector<BodyId> Hosting::accept(const HandoffGroup& group, RegionId from, Tick now) {
   std::vector<NewBody> taken;
   std::vector<BodyId> ids;
   for (const auto& arriving : group.bodies) {
@@ -174,8 +196,8 @@ std::vector<BodyId> Hosting::accept(const HandoffGroup& group, Tick now) {
     taken.push_back(arriving.body);
     ids.push_back(id);
     const bool last = arriving.epoch == std::numeric_limits<std::uint32_t>::max();
-    records_.emplace(
-        id, Record{last ? arriving.epoch : arriving.epoch + 1, now, now - arriving.still_ticks});
+    records_.emplace(id, Record{last ? arriving.epoch : arriving.epoch + 1, now,
+                                now - arriving.still_ticks, now - arriving.owned_ticks, from});
   }
   physics_.add(taken);
   for (BodyId id : ids) publisher_.body_gained(id, version(id));
@@ -199,7 +221,8 @@ void Hosting::claim(std::span<const HandoffGroup::Body> bodies, Tick now) {
   std::vector<NewBody> claimed;
   for (const auto& body : bodies) {
     claimed.push_back(body.body);
-    records_.emplace(body.body.id, Record{body.epoch, now, now - body.still_ticks});
+    records_.emplace(body.body.id,
+                     Record{body.epoch, now, now - body.still_ticks, never_changed, self_});
   }
   physics_.add(claimed);
   for (const NewBody& body : claimed) publisher_.body_gained(body.id, version(body.id));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <unordered_map>
@@ -32,13 +33,18 @@ class Hosting {
   std::span<const StaticDefinition> statics() const { return statics_; }
   /// Radius of the bounding sphere of a prototype (m).
   float radius(PrototypeId prototype) const { return radii_[prototype.value]; }
+  const Spine& spine(PrototypeId prototype) const { return spines_[prototype.value]; }
 
   bool hosts(BodyId id) const { return records_.contains(id); }
   std::uint32_t epoch(BodyId id) const { return records_.at(id).epoch; }
   Tick changed_owner(BodyId id) const { return records_.at(id).changed_owner; }
   Version version(BodyId id) const { return {epoch(id), incarnation_, self_}; }
-  /// Call whenever the body is looked at: for how many ticks it has been still, see HostedBody.
-  std::uint8_t note_stillness(BodyId id, double surface_speed_mps, Tick now);
+  /// Call before looking at bodies, once in each tick that any is looked at; from the last such
+  /// tick on all that were not looked at have been asleep, or have moved for all that is known.
+  void begin_look(Tick now);
+  /// Call for each body that is looked at, with its id, surface speed and whether it sleeps: fills
+  /// in for how many ticks it has been still and when its owner changed.
+  void look(HostedBody& body, Tick now);
   std::uint8_t still_ticks(BodyId id, Tick now) const;
   bool lies_still(BodyId id, Tick now) const { return still_ticks(id, now) >= resting_ticks; }
 
@@ -62,7 +68,7 @@ class Hosting {
   /// Hosts the group's bodies from now on, one epoch after its sender. Returns the ids taken:
   /// bodies that are held here already are counted as conflicts; of the two the later epoch stays.
   /// The group's stand-ins must have been put up before.
-  std::vector<BodyId> accept(const HandoffGroup& group, Tick now);
+  std::vector<BodyId> accept(const HandoffGroup& group, RegionId from, Tick now);
   /// Hosts bodies that a recovery has claimed, under the very epochs that they come with. None may
   /// be here already.
   void claim(std::span<const HandoffGroup::Body> bodies, Tick now);
@@ -78,10 +84,14 @@ class Hosting {
   std::uint64_t state_hash() const;
 
  private:
+  static constexpr Tick born_now{std::numeric_limits<std::int64_t>::max()};
   struct Record {
     std::uint32_t epoch = 1;
     Tick changed_owner;
     std::optional<Tick> moved;  ///< When it was last seen to move.
+    Tick changed_owner_before;  ///< The change before the last one.
+    RegionId came_from;
+    Tick looked_at = born_now;  ///< When it was last looked at; whoever comes is looked at.
   };
   void bring_neighbours(HandoffGroup& group, Tick now) const;
   std::vector<BodyId> holding_up(const HandoffGroup& group, Tick now) const;
@@ -90,10 +100,12 @@ class Hosting {
   Incarnation incarnation_;
   std::vector<BodyDefinition> definitions_;
   std::vector<StaticDefinition> statics_;
-  std::vector<float> radii_;  ///< By prototype.
+  std::vector<float> radii_;   ///< By prototype.
+  std::vector<Spine> spines_;  ///< By prototype.
   PhysicsWorld physics_;
   ReplicaPublisher publisher_;
   std::unordered_map<BodyId, Record> records_;
+  Tick last_look_, look_before_;
   std::vector<RemovedBody> removed_;
   Counts counts_;
 };

@@ -19,10 +19,12 @@ NearbyGeometry::NearbyGeometry(std::span<const StaticDefinition> statics) {
 }
 
 void NearbyGeometry::look(HostedBody& body, double reach_s) const {
-  const AuraBox way = flight_aura(body, reach_s);
+  const AuraBox way = way_of(body, reach_s);
   const double low = way.centre.y() - way.half.y();
-  body.near_ground =
-      std::any_of(planes_y_.begin(), planes_y_.end(), [&](double y) { return low <= y; });
+  body.ground_gap_m = std::numeric_limits<double>::infinity();
+  const double lowest = body.position.y - body.half_extents.y();
+  for (const double y : planes_y_)
+    if (low <= y) body.ground_gap_m = std::min(body.ground_gap_m, std::max(0.0, lowest - y));
   body.near_geometry = std::any_of(boxes_.begin(), boxes_.end(),
                                    [&](const AuraBox& box) { return box.overlaps(way); });
 }

@@ -15,7 +15,7 @@ class NearbyGeometry {
  public:
   explicit NearbyGeometry(std::span<const StaticDefinition> statics);
 
-  /// Sets near_ground and near_geometry by what the body can reach within `reach_s`.
+  /// Sets ground_gap_m and near_geometry by what the body can reach within `reach_s`.
   void look(HostedBody& body, double reach_s) const;
 
  private:

@@ -21,6 +21,7 @@
 #include "server/base/result.h"
 #include "server/base/tick.h"
 #include "server/region/aura_exchange.h"
+#include "server/region/boundary_strip.h"
 #include "server/region/followed_latency.h"
 #include "server/region/handoff/handoff.h"
 #include "server/region/handoff/journal.h"
@@ -173,6 +174,7 @@ class RegionCore {
   void apply_blasts(Tick now);
   void remove_strays(Tick now);
   void migrate(Tick now);
+  HostedBody hosted_body(const BodyGlance& seen, Tick now);
   std::vector<HostedBody> hosted_bodies(Tick now);
   void foresee_deeds(std::vector<HostedBody>& hosted, Tick now);
   void watch_stand_ins(Tick now);
@@ -223,6 +225,8 @@ class RegionCore {
   std::deque<BlastEffect> blasts_;           ///< To come and recent, by tick.
   std::map<BodyId, Tick> pending_removals_;  ///< Of bodies that may be on their way here.
   NearbyGeometry nearby_geometry_;
+  BoundaryStrip strip_;
+  std::vector<RemoteAura> remote_auras_;  ///< Of bodies that are not hosted here.
   PlayerOutput player_output_;
   std::vector<Outgoing> outbox_;
   std::vector<std::uint64_t> injected_;  ///< For each injector, how many it had made.

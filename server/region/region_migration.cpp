@@ -9,17 +9,31 @@
 namespace aureole {
 namespace {
 
-/// What the policy may ask of contacts.
+/// What the policy may ask of contacts; found out when it first asks.
 class Touching final : public ContactSource {
  public:
-  explicit Touching(const PhysicsWorld& physics) : physics_(physics) {}
-  void touching(BodyId body, std::vector<BodyId>& found) const override {
-    const auto all = physics_.contact_graph().touching(body);
-    found.insert(found.end(), all.begin(), all.end());
+  Touching(const PhysicsWorld& physics, std::span<const HostedBody> hosted)
+      : physics_(physics), hosted_(hosted) {}
+  std::span<const std::uint32_t> touching(std::uint32_t body) const override {
+    return graph().touching(body);
   }
+  std::size_t leaning_on(std::uint32_t body) const override { return graph().leaning_on(body); }
 
  private:
+  const ContactGraph& graph() const {
+    if (known_) return graph_;
+    std::vector<BodyId> ids;
+    ids.reserve(hosted_.size());
+    for (const HostedBody& body : hosted_) ids.push_back(body.id);
+    physics_.contact_graph(ids, graph_);
+    known_ = true;
+    return graph_;
+  }
+
   const PhysicsWorld& physics_;
+  std::span<const HostedBody> hosted_;
+  mutable ContactGraph graph_;
+  mutable bool known_ = false;
 };
 
 /// What the exchange tells of bodies.
@@ -61,11 +75,12 @@ void RegionCore::foresee_deeds(std::vector<HostedBody>& hosted, Tick now) {
   for (const Avatar* avatar : players_.avatars()) {
     const auto body = index_of(hosted, avatar->body());
     if (!body) continue;
-    const AuraBox reach = struck_aura(hosted[*body], speed, reach_time_s(tolerances_.limits()));
+    const double reach_s = reach_time_s(tolerances_.limits());
+    const AuraCapsule reach = struck_aura(resting_aura(hosted[*body]), speed * reach_s, reach_s);
     const auto remote = aura_exchange_.remote();
     players_.note_company(avatar->player,
                           std::any_of(remote.begin(), remote.end(),
-                                      [&](auto& aura) { return aura.box.overlaps(reach); }));
+                                      [&](auto& aura) { return overlap(aura.room, reach); }));
     if (!players_.in_play(*avatar, now)) continue;
     hosted[*body].deed_speed_mps = speed;
     hosted[*body].deed_mass_kg = mass;
@@ -77,36 +92,48 @@ void RegionCore::foresee_deeds(std::vector<HostedBody>& hosted, Tick now) {
   }
 }
 
-std::vector<HostedBody> RegionCore::hosted_bodies(Tick now) {
-  std::map<BodyId, BodyId> leaders;
-  for (const Avatar* avatar : players_.avatars())
-    if (avatar->carried != BodyId{}) leaders[avatar->carried] = avatar->body();
+HostedBody RegionCore::hosted_body(const BodyGlance& seen, Tick now) {
+  const PrototypeId prototype = seen.prototype();
+  const BodyDefinition& definition = hosting_.definitions()[prototype.value];
+  const BodyState state = seen.state();
+  const Spine& spine = hosting_.spine(prototype);
+  HostedBody body;
+  body.id = seen.id();
+  body.position = state.position;
+  body.half_extents = seen.half_extents().cast<double>();
+  body.bounding_radius_m = hosting_.radius(prototype);
+  body.half_spine = (state.orientation * spine.half).cast<double>();
+  body.girth_m = double{spine.girth};
+  body.velocity_mps = state.linear_velocity.cast<double>();
+  body.asleep = state.activation == Activation::asleep;
+  if (!body.asleep)
+    body.motion_speed_mps = double{motion_speed(definition.shape, state.orientation,
+                                                state.linear_velocity, state.angular_velocity)};
+  body.mass_kg = definition.mass_kg;
+  body.restitution = definition.restitution;
+  body.round = std::holds_alternative<SphereShape>(definition.shape);
+  hosting_.look(body, now);
+  body.pressed = stand_in_watch_.is_pressed(body.id, now);
+  if (body.still_ticks == 0) nearby_geometry_.look(body, reach_time_s(tolerances_.limits()));
+  return body;
+}
 
+/// Everything that decisions may depend on; see BoundaryStrip.
+std::vector<HostedBody> RegionCore::hosted_bodies(Tick now) {
+  std::vector<BodyId> wanted;
+  for (const HandoverRequest& request : handover_requests_) wanted.push_back(request.body);
+  strip_.note(remote_auras_);
+  hosting_.begin_look(now);
   std::vector<HostedBody> hosted;
-  const PhysicsWorld& physics = hosting_.physics();
-  hosted.reserve(physics.size());
-  for (BodyId id : physics.ids()) {
-    const auto leader = leaders.find(id);
-    const BodyState state = physics.state(id);
-    const PrototypeId prototype = physics.prototype(id);
-    const BodyDefinition& definition = hosting_.definitions()[prototype.value];
-    HostedBody& body = hosted.emplace_back();
-    body.id = id;
-    body.position = state.position;
-    body.half_extents = physics.half_extents(id).cast<double>();
-    body.bounding_radius_m = hosting_.radius(prototype);
-    body.velocity_mps = state.linear_velocity.cast<double>();
-    body.surface_speed_mps = double{surface_speed(definition.shape, state.orientation,
-                                                  state.linear_velocity, state.angular_velocity)};
-    body.mass_kg = definition.mass_kg;
-    body.restitution = definition.restitution;
-    body.round = std::holds_alternative<SphereShape>(definition.shape);
-    body.asleep = state.activation == Activation::asleep;
-    body.still_ticks = hosting_.note_stillness(id, body.surface_speed_mps, now);
-    body.pressed = stand_in_watch_.is_pressed(id, now);
-    if (body.still_ticks == 0) nearby_geometry_.look(body, reach_time_s(tolerances_.limits()));
-    if (leader != leaders.end()) body.leader = leader->second;
-    body.changed_owner = hosting_.changed_owner(id);
+  hosting_.physics().for_each([&](const BodyGlance& seen) {
+    if (strip_.holds(seen.position()) ||
+        std::binary_search(wanted.begin(), wanted.end(), seen.id()))
+      hosted.push_back(hosted_body(seen, now));
+  });
+  for (const Avatar* avatar : players_.avatars()) {
+    if (avatar->carried == BodyId{} || !index_of(hosted, avatar->body())) continue;
+    if (const auto carried = index_of(hosted, avatar->carried))
+      hosted[*carried].leader = avatar->body();
   }
   foresee_deeds(hosted, now);
   return hosted;
@@ -128,13 +155,17 @@ Hosting::Cut RegionCore::cut() const {
 void RegionCore::migrate(Tick now) {
   // Most of a world sleeps most of the time; what was decided then still holds.
   if (nothing_stirs(now)) return;
+  remote_auras_.clear();
+  for (const RemoteAura& aura : aura_exchange_.remote())
+    // What is said of a body that has come to us since is out of date.
+    if (!hosting_.hosts(aura.id)) remote_auras_.push_back(aura);
   const std::vector<HostedBody> hosted = hosted_bodies(now);
   std::vector<bool> linked;
   for (std::size_t i = 0; i < map_.size(); ++i)
     linked.push_back(is_up(RegionId{static_cast<std::uint16_t>(i)}) && !waits_for_auras(now));
-  const Touching contacts(hosting_.physics());
+  const Touching contacts(hosting_.physics(), hosted);
   const MigrationDecision decision = policy_->decide(
-      {now, self_, map_, hosted, aura_exchange_.remote(), handover_requests_, linked, &contacts});
+      {now, self_, map_, hosted, remote_auras_, handover_requests_, linked, &contacts});
   handover_requests_.clear();
   enter(StepProfile::Part::aura);
   for (const Migration& migration : decision.leaving)

@@ -112,7 +112,7 @@ void RegionCore::take_in_groups(Tick now) {
     const std::vector<BlastEffect> recent(blasts_.begin(), blasts_.end());
     catch_up(group, {hosting_.definitions(), hosting_.physics(), present, recent, AvatarTuning{}});
     stand_ins_.came_along(group.stand_ins, arrived.from, now);
-    const std::vector<BodyId> taken = hosting_.accept(group, now);
+    const std::vector<BodyId> taken = hosting_.accept(group, arrived.from, now);
     stand_ins_.arrived(taken);
     std::set<std::uint16_t> gateways;
     for (const Avatar& avatar : group.avatars) gateways.insert(avatar.gateway);
@@ -227,9 +227,7 @@ void RegionCore::remove_strays(Tick) {
   std::vector<PlayerId> fallen;
   fastest_ = {};
   const Box3& bounds = world_.bounds;
-  for (BodyId id : hosting_.physics().ids()) {
-    if (hosting_.physics().is_asleep(id)) continue;
-    const BodyState state = hosting_.physics().state(id);
+  for (const auto& [id, prototype, state] : hosting_.physics().awake()) {
     if (const double speed = state.linear_velocity.norm(); speed > fastest_.speed_mps)
       fastest_ = {id, speed};
     const Eigen::Vector3d p = state.position.vector();

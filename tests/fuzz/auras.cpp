@@ -36,6 +36,7 @@ MigrationDecision decision(std::uint32_t from, std::uint32_t until, bool asks = 
                               n % 4 == 0,
                               n % 2 == 0,
                               double(n % 7),
+                              {},
                               {RegionId{0}}});
   if (asks)
     made.pulls = {{RegionId{0}, RegionId{2}, {BodyId::world(100)}},
@@ -75,8 +76,11 @@ void check(std::span<const RemoteAura> remote) {
     FUZZ_EXPECT(i == 0 || remote[i - 1].id < aura.id);
     FUZZ_EXPECT(aura.id.valid() && (aura.host == hostile || aura.host == honest));
     FUZZ_EXPECT(aura.mass_kg > 0 && std::isfinite(aura.mass_kg) && aura.speed_mps < 1024.001);
-    FUZZ_EXPECT(aura.box.centre.cwiseAbs().maxCoeff() <= position_limit_m);
-    FUZZ_EXPECT(aura.box.half.minCoeff() >= 0 && aura.box.half.maxCoeff() < 1024.001);
+    FUZZ_EXPECT(aura.room.centre.cwiseAbs().maxCoeff() <= position_limit_m);
+    FUZZ_EXPECT(aura.room.half_spine.cwiseAbs().maxCoeff() <= 8.001);
+    FUZZ_EXPECT(aura.room.girth_m >= 0 && aura.room.girth_m < 1024.001);
+    FUZZ_EXPECT(aura.company.size_class <= Company::size_class_max);
+    FUZZ_EXPECT(aura.company.changes <= Company::changes_max);
   }
 }
 

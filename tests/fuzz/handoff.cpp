@@ -46,7 +46,8 @@ void check(const HandoffGroup& group, std::size_t size) {
 Bytes shared_parts(std::size_t times) {
   flatbuffers::FlatBufferBuilder builder;
   const std::uint64_t avatar = BodyId::avatar(PlayerId{1}).value;
-  const std::vector bodies(1, wire::HandoffBody(avatar, 1, 0, 0, 0, {}, {0, 0, 0, 1}, {}, {}, 0));
+  const std::vector bodies(1,
+                           wire::HandoffBody(avatar, 1, 0, 0, 0, {}, {0, 0, 0, 1}, {}, {}, 0, 0));
   const std::vector points(4,
                            wire::HandoffPoint({}, {}, {0, 1, 0}, 0, 0, 0, 0, {}, {}, 0, 0, -1, -1));
   const auto contact =

@@ -1,18 +1,35 @@
-// Boxes for rest, for free flight, and for everything else.
+// Rooms for rest, for free flight, and for everything else.
 #include "server/aura/adaptive/aura_size.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace aureole {
 namespace {
 
-constexpr double gravity_mps2 = 9.81;
+/// How much faster than expected a body may get meanwhile (the solver parting shapes).
+constexpr double faster = 1.1;
 /// Share of its speed that a body in flight may be off its course (damping, spin, the solver).
 constexpr double astray = 0.05;
 /// Share of the speed towards the ground that friction may turn aside: friction 1 on either side.
 constexpr double turned_by_friction = 0.5;
 /// What has edges may trip over them on the ground.
 constexpr double tripped = 0.5;
+
+double fall_m(double duration_s) {
+  return 0.5 * gravity_mps2 * duration_s * duration_s;
+}
+
+Eigen::Vector3d level(const Eigen::Vector3d& v) {
+  return {v.x(), 0, v.z()};
+}
+
+/// How fast a body that comes down at `falling_mps` may leave the ground again in whatever
+/// direction, apart from going on as it was.
+double thrown_off_mps(const HostedBody& body, double falling_mps) {
+  return (turned_by_friction + body.restitution) * falling_mps +
+         (body.round ? 0.0 : tripped * level(body.velocity_mps).norm());
+}
 
 /// A turning body fills its bounding sphere sooner or later.
 Eigen::Vector3d turning_extents(const HostedBody& body, double speed_mps, double reach_s) {
@@ -21,39 +38,81 @@ Eigen::Vector3d turning_extents(const HostedBody& body, double speed_mps, double
       [&](double half) { return std::max(half, std::min(sphere, half + speed_mps * reach_s)); });
 }
 
-}  // namespace
-
-AuraBox resting_aura(const HostedBody& body) {
-  AuraBox box{body.position.vector(), body.half_extents};
-  box.half.array() += resting_margin_m;
-  return box;
+double distance_m(const Eigen::Vector3d& point, const Eigen::Vector3d& from,
+                  const Eigen::Vector3d& to) {
+  const Eigen::Vector3d along = to - from;
+  const double length2 = along.squaredNorm();
+  const double share =
+      length2 > 0 ? std::clamp((point - from).dot(along) / length2, 0.0, 1.0) : 0.0;
+  return (from + share * along - point).norm();
 }
 
-AuraBox flight_aura(const HostedBody& body, double reach_s) {
-  const Eigen::Vector3d way = body.velocity_mps * reach_s;
-  const double fall = 0.5 * gravity_mps2 * reach_s * reach_s;
+/// Along its way, down to the ground and then on over it, with room for all that it may turn to.
+AuraCapsule swept(const HostedBody& body, double reach_s) {
+  const double radius = body.round ? body.girth_m : body.bounding_radius_m;
+  const double air = std::max(0.0, body.ground_gap_m + body.half_extents.y() - radius);
+  const double up_mps = body.velocity_mps.y();
+  const double falling_mps = std::sqrt(up_mps * up_mps + 2 * gravity_mps2 * air);
+  const double flies_s = std::min(reach_s, (up_mps + falling_mps) / gravity_mps2);
+  const double slides_s = reach_s - flies_s;
+  const Eigen::Vector3d from = body.position.vector();
+  Eigen::Vector3d bend = from + body.velocity_mps * flies_s;
+  bend.y() -= fall_m(flies_s);
+  const Eigen::Vector3d to =
+      bend + (slides_s > 0 ? level(body.velocity_mps) : body.velocity_mps) * slides_s;
+  AuraCapsule room;
+  room.centre = 0.5 * (from + to);
+  room.half_spine = 0.5 * (to - from);
+  room.girth_m = radius + resting_margin_m + astray * body.velocity_mps.norm() * reach_s +
+                 distance_m(bend, from, to) + 0.25 * fall_m(flies_s) +
+                 (slides_s > 0 ? thrown_off_mps(body, falling_mps) * slides_s : 0.0);
+  return room;
+}
+
+}  // namespace
+
+AuraCapsule room_of(const HostedBody& body) {
+  return {body.position.vector(), body.half_spine, body.girth_m};
+}
+
+AuraCapsule resting_aura(const HostedBody& body) {
+  AuraCapsule aura = room_of(body);
+  aura.girth_m += resting_margin_m;
+  return aura;
+}
+
+AuraCapsule struck_aura(const AuraCapsule& before, double way_m, double reach_s) {
+  AuraCapsule aura = before;
+  aura.girth_m += faster * way_m + fall_m(reach_s);
+  return aura;
+}
+
+AuraCapsule flight_aura(const HostedBody& body, double reach_s) {
+  const AuraCapsule anywhere =
+      struck_aura(resting_aura(body), body.motion_speed_mps * reach_s, reach_s);
+  const AuraCapsule along = swept(body, reach_s);
+  const auto size = [](const AuraCapsule& room) {
+    return room.girth_m * (room.girth_m + room.half_spine.norm());
+  };
+  return size(along) < size(anywhere) ? along : anywhere;
+}
+
+AuraBox way_of(const HostedBody& body, double duration_s) {
+  const Eigen::Vector3d way = body.velocity_mps * duration_s;
   Eigen::Vector3d low = way.cwiseMin(0), high = way.cwiseMax(0);
-  low.y() -= fall;
+  low.y() -= fall_m(duration_s);
   double aside = resting_margin_m + astray * way.norm();
-  if (body.near_ground) {
+  if (std::isfinite(body.ground_gap_m)) {
     aside += turned_by_friction * std::abs(way.y());
-    if (!body.round) aside += tripped * std::hypot(way.x(), way.z());
+    if (!body.round) aside += tripped * level(way).norm();
     // It may bounce, and no higher than it came.
     high.y() = std::max(high.y(), -way.y());
   }
-  const Eigen::Vector3d extents = turning_extents(body, body.surface_speed_mps, reach_s);
+  const Eigen::Vector3d extents = turning_extents(body, body.motion_speed_mps, duration_s);
   AuraBox box;
   box.centre = body.position.vector() + 0.5 * (low + high);
   box.half = 0.5 * (high - low) + extents;
   box.half.array() += aside;
-  return box;
-}
-
-AuraBox struck_aura(const HostedBody& body, double speed_mps, double reach_s) {
-  const double fall = 0.5 * gravity_mps2 * reach_s * reach_s;
-  AuraBox box{body.position.vector(), turning_extents(body, speed_mps, reach_s)};
-  box.half.array() += resting_margin_m + speed_mps * reach_s;
-  box.half.y() += fall;
   return box;
 }
 

@@ -40,10 +40,7 @@ Clusters::Number Clusters::of(std::uint32_t body) {
   for (std::size_t k = 0; k < members.size(); ++k) {
     const std::uint32_t member = members[k];
     found.clear();
-    outlook_->grid().find(outlook_->aura(member), found);
-    std::erase_if(found, [&](std::uint32_t other) {
-      return outlook_->rests(member) && outlook_->rests(other);
-    });
+    outlook_->find_company(member, 0, found);
     add_companions(member, found);
     for (std::uint32_t other : found) {
       if (of_body_[other] != none) continue;

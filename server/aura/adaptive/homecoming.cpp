@@ -23,9 +23,23 @@ constexpr std::int64_t quiet_ticks = 32;
 }  // namespace
 
 void Homecoming::note_unrest(const MigrationSituation& s, const Outlook& outlook) {
-  for (std::uint32_t i = 0; i < s.hosted.size(); ++i)
-    if (!outlook.rests(i)) unrest_[s.hosted[i].id] = s.now;
-  std::erase_if(unrest_, [&](const auto& entry) { return s.now - entry.second > quiet_ticks; });
+  // Both ascend: one walk finds when each last stirred.
+  before_.swap(unrest_);
+  unrest_.clear();
+  auto known = before_.begin();
+  stirs_.assign(s.hosted.size(), false);
+  for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
+    const BodyId id = s.hosted[i].id;
+    while (known != before_.end() && known->first < id) ++known;
+    Tick stirred = s.now;
+    if (outlook.rests(i)) {
+      if (known == before_.end() || known->first != id) continue;
+      stirred = known->second;
+      if (s.now - stirred > quiet_ticks) continue;
+    }
+    stirs_[i] = true;
+    unrest_.emplace_back(id, stirred);
+  }
   nothing_moves_ =
       unrest_.empty() && std::all_of(s.remote.begin(), s.remote.end(),
                                      [](const RemoteAura& aura) { return aura.resting; });
@@ -43,13 +57,13 @@ void Homecoming::find_threats() {
   threat_bodies_.clear();
   for (std::uint32_t i = 0; i < situation_->hosted.size(); ++i) {
     if (outlook_->rests(i)) continue;
-    threats_.push_back(outlook_->aura(i));
-    if (outlook_->moves(i)) threats_.push_back(flight_aura(situation_->hosted[i], clear_flight_s));
+    threats_.push_back(outlook_->box(i));
+    if (outlook_->moves(i)) threats_.push_back(way_of(situation_->hosted[i], clear_flight_s));
     threat_bodies_.resize(threats_.size(), i);
   }
   for (const RemoteAura& aura : situation_->remote) {
     if (aura.resting) continue;
-    threats_.push_back(aura.box);
+    threats_.push_back(aura.room.box());
     threats_.back().half.array() += aura.speed_mps * clear_flight_s;
   }
   threat_bodies_.resize(threats_.size(), others_body);
@@ -68,7 +82,7 @@ bool Homecoming::is_calm(std::uint32_t body) {
   std::vector<std::uint32_t> heap{body}, found;
   calm_[body] = Calm::calm;
   for (std::size_t k = 0; k < heap.size() && found_out == Calm::calm; ++k) {
-    AuraBox box = outlook_->aura(heap[k]);
+    AuraBox box = outlook_->box(heap[k]);
     found.clear();
     outlook_->grid().find(box, found);
     for (std::uint32_t other : found) {
@@ -93,7 +107,7 @@ bool Homecoming::may_leave(std::uint32_t i, bool contested) {
   // Who goes home may be met there at once, and fetched back.
   const std::int64_t stay = nothing_moves_ ? calm_stay_ticks : long_stay_ticks;
   return is_away(i) && !contested && situation_->now - body.changed_owner >= stay &&
-         (!outlook_->rests(i) || (!unrest_.contains(body.id) && is_calm(i)));
+         (!outlook_->rests(i) || (!stirs_[i] && is_calm(i)));
 }
 
 /// The clusters around a body that are not clear of each other. Auras travel rounded outwards: what
@@ -107,15 +121,11 @@ std::set<Clusters::Number> Homecoming::island_of(std::uint32_t body) {
     const std::vector<std::uint32_t> members(span.begin(), span.end());
     open.pop_back();
     for (std::uint32_t member : members) {
-      AuraBox box = outlook_->aura(member);
-      box.half.array() += island_clearance_m;
       found.clear();
-      outlook_->grid().find(box, found);
-      for (std::uint32_t other : found) {
-        if (outlook_->rests(member) && outlook_->rests(other)) continue;
+      outlook_->find_company(member, island_clearance_m, found);
+      for (std::uint32_t other : found)
         if (const auto near = clusters_->of(other); island.insert(near).second)
           open.push_back(near);
-      }
     }
   }
   return island;
@@ -133,7 +143,7 @@ bool Homecoming::flies_clear(const std::set<Clusters::Number>& island, RegionId 
   for (const Clusters::Number number : island)
     for (std::uint32_t member : clusters_->members(number)) {
       if (outlook_->rests(member)) continue;
-      const AuraBox way = flight_aura(situation_->hosted[member], clear_flight_s);
+      const AuraBox way = way_of(situation_->hosted[member], clear_flight_s);
       found.clear();
       outlook_->grid().find(way, found);
       for (std::uint32_t other : found)

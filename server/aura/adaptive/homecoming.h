@@ -3,7 +3,7 @@
 
 #include <cstdint>
 #include <set>
-#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "server/aura/adaptive/clusters.h"
@@ -45,9 +45,11 @@ class Homecoming {
   const MigrationSituation* situation_ = nullptr;  ///< Within islands().
   const Outlook* outlook_ = nullptr;
   Clusters* clusters_ = nullptr;
-  bool nothing_moves_ = false;               ///< Here for quiet_ticks, nor what others project.
-  std::unordered_map<BodyId, Tick> unrest_;  ///< When each body last moved or expected a blow.
-  OverlapGrid threat_grid_;                  ///< Built when asked for.
+  bool nothing_moves_ = false;  ///< Here for quiet_ticks, nor what others project.
+  /// When each body last moved or expected a blow, if lately; ascending. And as of the last tick.
+  std::vector<std::pair<BodyId, Tick>> unrest_, before_;
+  std::vector<bool> stirs_;  ///< Whether each body is in `unrest_`.
+  OverlapGrid threat_grid_;  ///< Built when asked for.
   std::vector<AuraBox> threats_;
   std::vector<std::uint32_t> threat_bodies_;  ///< Whose threat it is; others_body: a remote one's.
   static constexpr std::uint32_t others_body = static_cast<std::uint32_t>(-1);

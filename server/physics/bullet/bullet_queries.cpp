@@ -89,7 +89,8 @@ std::vector<BodyId> bodies_touching(BulletWorld& world, const BulletBody& body) 
 void find_touching(BulletWorld& world, std::vector<ContactGraph::Edge>& edges) {
   edges.clear();
   for_each_touching(world, [&](const BulletBody& a, const BulletBody& b, const auto&) {
-    edges.emplace_back(a.graph_index, b.graph_index);
+    if ((a.graph_index & b.graph_index) != ContactGraph::outside)
+      edges.emplace_back(a.graph_index, b.graph_index);
   });
 }
 

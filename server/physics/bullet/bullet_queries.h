@@ -15,7 +15,8 @@ void for_each_pair(BulletWorld& world, const BulletBody& body,
                    const std::function<void(btCollisionObject&, const btBroadphasePair&)>& visit);
 
 std::vector<BodyId> bodies_touching(BulletWorld& world, const BulletBody& body);
-/// Who touches whom, by BulletBody::graph_index; a compound pair may be named more than once.
+/// Who touches whom, by BulletBody::graph_index, pairs without a member of the graph left out; a
+/// compound pair may be named more than once.
 void find_touching(BulletWorld& world, std::vector<ContactGraph::Edge>& edges);
 /// See PhysicsWorld::stand_in_loads.
 void append_stand_in_loads(BulletWorld& world, std::vector<StandInLoad>& out);

@@ -68,7 +68,8 @@ wire::HandoffBody to_wire(const HandoffGroup::Body& b) {
           to_wire(s.orientation),
           to_wire(s.linear_velocity),
           to_wire(s.angular_velocity),
-          s.deactivation_time_s};
+          s.deactivation_time_s,
+          b.owned_ticks};
 }
 
 Result<HandoffGroup::Body> from_wire(const wire::HandoffBody& b, std::size_t prototypes) {
@@ -90,7 +91,8 @@ Result<HandoffGroup::Body> from_wire(const wire::HandoffBody& b, std::size_t pro
     return Error::format(
         "handoff of body {:#x} with numbers that are not finite, out of range or no rotation",
         b.id());
-  return HandoffGroup::Body{{id, PrototypeId{b.prototype()}, state}, b.epoch(), b.still_ticks()};
+  return HandoffGroup::Body{
+      {id, PrototypeId{b.prototype()}, state}, b.epoch(), b.still_ticks(), b.owned_ticks()};
 }
 
 wire::HandoffPoint to_wire(const ContactPoint& p) {

@@ -14,6 +14,9 @@
 
 namespace aureole {
 
+/// Longest that is remembered of how long somebody owned a body; it travels in a byte.
+inline constexpr std::uint8_t owned_ticks_max = 255;
+
 /// Bodies, the contacts among them and with the ground, and the players among them. The sender
 /// stopped stepping it after step `tick`.
 struct HandoffGroup {
@@ -21,6 +24,8 @@ struct HandoffGroup {
     NewBody body;
     std::uint32_t epoch = 0;       ///< Of the sender's ownership.
     std::uint8_t still_ticks = 0;  ///< See HostedBody.
+    /// For how many ticks the sender owned it, at most owned_ticks_max.
+    std::uint8_t owned_ticks = owned_ticks_max;
   };
   Tick tick;
   std::vector<Body> bodies;  ///< ascending

@@ -97,7 +97,7 @@ struct Servers {
     const RegionId self{static_cast<std::uint16_t>(from)};
     for (const ProjectedAura& aura : decisions[from].projected)
       for (RegionId to : aura.to)
-        heard[to.value].try_emplace(aura.id, RemoteAura{aura.id, self, aura.box, aura.asleep});
+        heard[to.value].try_emplace(aura.id, RemoteAura{aura.id, self, aura.room, aura.asleep});
     for (const Pull& pull : decisions[from].pulls)
       for (BodyId id : pull.bodies) asked[pull.from.value].push_back({id, self});
     for (const Migration& migration : decisions[from].leaving)
@@ -286,11 +286,10 @@ TEST_CASE("who is asked for a body hands over its whole cluster, but never to a 
 TEST_CASE("an aura covers whatever its body may do: it has one size, asleep or fast") {
   Servers servers(figure_1());
   servers.put('a', 0, -1, -20).asleep = true;
-  servers.put('b', 0, -1, -60).surface_speed_mps = 30;
+  servers.put('b', 0, -1, -60).motion_speed_mps = 30;
   const auto decision = servers.look(0);
   REQUIRE(decision.projected.size() == 2);
-  for (const auto& aura : decision.projected)
-    REQUIRE(aura.box.half.isApprox(Eigen::Vector3d::Constant(2.86)));
+  for (const auto& aura : decision.projected) REQUIRE(aura.room.girth_m == Approx(2.86));
   REQUIRE(decision.projected[0].asleep);
 }
 

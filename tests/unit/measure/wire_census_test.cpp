@@ -15,22 +15,30 @@ constexpr int gateway = 2;
 
 wire::Aura aura(std::uint64_t id, std::uint8_t flags) {
   const std::array<std::uint8_t, 9> position{};
-  const std::array<std::uint16_t, 3> half{};
+  const std::array<std::int8_t, 3> half_spine{};
   return {id,
           10.0f,
+          static_cast<std::uint16_t>(id),
+          0,
+          0,
+          0,
           flatbuffers::span<const std::uint8_t, 9>(position.data(), 9),
+          flatbuffers::span<const std::int8_t, 3>(half_spine.data(), 3),
           flags,
-          flatbuffers::span<const std::uint16_t, 3>(half.data(), 3),
-          std::uint16_t{0},
-          static_cast<std::uint16_t>(id)};
+          0};
 }
 
 wire::AuraMotion moved(std::uint64_t id, std::uint8_t flags) {
   const std::array<std::uint8_t, 9> position{};
-  const std::array<std::uint16_t, 3> half{};
-  return {static_cast<std::uint16_t>(id), std::uint16_t{0},
-          flatbuffers::span<const std::uint16_t, 3>(half.data(), 3),
-          flatbuffers::span<const std::uint8_t, 9>(position.data(), 9), flags};
+  const std::array<std::int8_t, 3> half_spine{};
+  return {static_cast<std::uint16_t>(id),
+          0,
+          0,
+          0,
+          flatbuffers::span<const std::uint8_t, 9>(position.data(), 9),
+          flatbuffers::span<const std::int8_t, 3>(half_spine.data(), 3),
+          flags,
+          0};
 }
 
 Bytes moved_auras(const std::vector<wire::AuraMotion>& list) {

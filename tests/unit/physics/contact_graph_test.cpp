@@ -1,4 +1,6 @@
 // The graph says of everybody at once what `touching` says of one.
+#include <algorithm>
+
 #include "tests/unit/physics/scenes.h"
 
 using namespace aureole;
@@ -6,14 +8,28 @@ using namespace aureole::scenes;
 
 namespace {
 
+std::vector<BodyId> everybody(const PhysicsWorld& world) {
+  std::vector<BodyId> all(world.ids().begin(), world.ids().end());
+  all.insert(all.end(), world.stand_in_ids().begin(), world.stand_in_ids().end());
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
 std::vector<BodyId> row(const PhysicsWorld& world, BodyId id) {
-  const auto span = world.contact_graph().touching(id);
-  return {span.begin(), span.end()};
+  const std::vector<BodyId> all = everybody(world);
+  const auto at = std::find(all.begin(), all.end(), id);
+  if (at == all.end()) return {};
+  ContactGraph graph;
+  world.contact_graph(all, graph);
+  std::vector<BodyId> partners;
+  for (std::uint32_t place : graph.touching(static_cast<std::uint32_t>(at - all.begin())))
+    partners.push_back(all[place]);
+  return partners;
 }
 
 std::size_t require_graph_is_touching(const PhysicsWorld& world) {
   std::size_t joined = 0;
-  for (BodyId id : world.contact_graph().ids()) {
+  for (BodyId id : everybody(world)) {
     const auto found = row(world, id);
     REQUIRE(found == world.touching(id));
     joined += found.size();
@@ -37,7 +53,7 @@ TEST_CASE("the contact graph of a heap is what touching says of each, awake, asl
 
   const std::vector<BodyId> cut(world.ids().begin() + 20, world.ids().begin() + 60);
   world.turn_into_stand_ins(cut);
-  REQUIRE(world.contact_graph().ids().size() == 150);
+  REQUIRE(everybody(world).size() == 150);
   std::size_t leaning = 0;
   for (BodyId id : cut) {
     for (BodyId other : row(world, id)) REQUIRE(!world.is_stand_in(other));
@@ -54,13 +70,13 @@ TEST_CASE("sleepers that arrive with their contacts are in the graph") {
   REQUIRE(from.awake_count() == 0);
   PhysicsWorld to = world_on_ground();
   to.add(bodies_of(from));
-  REQUIRE(to.contact_graph().touching(BodyId::world(0)).empty());
+  REQUIRE(row(to, BodyId::world(0)).empty());
   to.install_contacts(from.contacts_within(from.ids()));
   CHECK(require_graph_is_touching(to) > 0);
   for (BodyId id : from.ids()) CHECK(row(to, id) == row(from, id));
 }
 
-TEST_CASE("the graph is built anew after each change and knows nothing of strangers") {
+TEST_CASE("the graph is built anew for each question and knows nothing of strangers") {
   PhysicsWorld world = world_on_ground();
   const std::vector<NewBody> tower = plain_tower();
   world.add(std::span(tower).first(3));
@@ -71,5 +87,19 @@ TEST_CASE("the graph is built anew after each change and knows nothing of strang
   world.remove({&top, 1});
   CHECK(row(world, BodyId::world(1)) == std::vector<BodyId>{BodyId::world(0)});
   CHECK(row(world, top).empty());
-  CHECK(world.contact_graph().ids().size() == 2);
+}
+
+TEST_CASE("of those outside its group the graph says only how many lean on whom") {
+  PhysicsWorld world = world_on_ground();
+  world.add(plain_tower());
+  run(world, 3);
+  const std::vector<BodyId> group{BodyId::world(1), BodyId::world(2), BodyId::world(4)};
+  ContactGraph graph;
+  world.contact_graph(group, graph);
+  CHECK(std::vector(graph.touching(0).begin(), graph.touching(0).end()) ==
+        std::vector<std::uint32_t>{1});
+  CHECK(graph.leaning_on(0) == 2);
+  CHECK(graph.leaning_on(1) == 2);
+  CHECK(graph.touching(2).empty());
+  CHECK(graph.leaning_on(2) == 2);
 }

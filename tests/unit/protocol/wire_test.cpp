@@ -129,8 +129,8 @@ TEST_CASE("The structs of the wire have the sizes that WIRE_FORMAT.md states") {
   static_assert(sizeof(wire::HandoffPoint) == 88 && alignof(wire::HandoffPoint) == 4);
   static_assert(sizeof(wire::Command) == 48 && alignof(wire::Command) == 8);
   static_assert(sizeof(wire::Blast) == 56 && alignof(wire::Blast) == 8);
-  static_assert(sizeof(wire::Aura) == 32 && alignof(wire::Aura) == 8);
-  static_assert(sizeof(wire::AuraMotion) == 20 && alignof(wire::AuraMotion) == 2);
+  static_assert(sizeof(wire::Aura) == 40 && alignof(wire::Aura) == 8);
+  static_assert(sizeof(wire::AuraMotion) == 22 && alignof(wire::AuraMotion) == 2);
   static_assert(sizeof(wire::Resting) == 56 && alignof(wire::Resting) == 8);
   static_assert(sizeof(wire::BodyRequest) == 16 && alignof(wire::BodyRequest) == 8);
   static_assert(sizeof(wire::ReplicaVersion) == 16 && alignof(wire::ReplicaVersion) == 8);

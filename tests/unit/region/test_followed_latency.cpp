@@ -91,13 +91,13 @@ TEST_CASE("auras are as large as the tolerance in force asks for, in both modes 
     body.half_extents = {0.3, 0.3, 0.3};
     body.bounding_radius_m = 0.3;
     body.velocity_mps = {-5, 0, 0};
-    body.surface_speed_mps = 5;
+    body.motion_speed_mps = 5;
     const std::vector<bool> linked{true, true};
     const auto reach_m = [&] {
       const MigrationDecision decision = policy->decide(
           {Tick{1000}, RegionId{0}, map, std::span(&body, 1), {}, {}, linked, nullptr});
       REQUIRE(decision.projected.size() == 1);
-      return decision.projected.front().box.half.x();
+      return decision.projected.front().room.box().half.x();
     };
     const double before = reach_m();
     AuraTolerances longer;

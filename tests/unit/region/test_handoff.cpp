@@ -147,7 +147,7 @@ TEST_CASE("nobody crosses a boundary whose other side is down") {
   REQUIRE(cluster.state(comes).position.x < 50);
   REQUIRE(cluster.owner(across) == 0);
   cluster.reset_link(0, 1);
-  cluster.step(5);
+  cluster.step(9);
   REQUIRE(cluster.owner(across) == 1);
 }
 

@@ -27,6 +27,7 @@ HandoffGroup sample_group() {
     b.body.state.deactivation_time_s = 0.25f;
     b.epoch = 7 + i;
     b.still_ticks = static_cast<std::uint8_t>(3 * i);
+    b.owned_ticks = static_cast<std::uint8_t>(5 * i);
     group.bodies.push_back(b);
   }
   group.bodies.push_back({{BodyId::avatar(PlayerId{5}), PrototypeId{0}, {}}, 2});
@@ -79,6 +80,7 @@ TEST_CASE("a handoff comes back bit for bit") {
     REQUIRE(a.body.id == b.body.id);
     REQUIRE(a.epoch == b.epoch);
     REQUIRE(a.still_ticks == b.still_ticks);
+    REQUIRE(a.owned_ticks == b.owned_ticks);
     REQUIRE(a.body.state.position == b.body.state.position);
     REQUIRE(a.body.state.orientation.coeffs() == b.body.state.orientation.coeffs());
     REQUIRE(a.body.state.linear_velocity == b.body.state.linear_velocity);
@@ -209,7 +211,7 @@ TEST_CASE("commands and effects come back as they were, and are refused when the
 TEST_CASE("a handoff that names one contact many times is refused before it fills the memory") {
   flatbuffers::FlatBufferBuilder builder;
   const auto id = BodyId::world(1).value;
-  const std::vector body(1, wire::HandoffBody(id, 1, 0, 0, 0, {}, {0, 0, 0, 1}, {}, {}, 0));
+  const std::vector body(1, wire::HandoffBody(id, 1, 0, 0, 0, {}, {0, 0, 0, 1}, {}, {}, 0, 0));
   const std::vector points(4,
                            wire::HandoffPoint({}, {}, {0, 1, 0}, 0, 0, 0, 0, {}, {}, 0, 0, -1, -1));
   const auto contact =

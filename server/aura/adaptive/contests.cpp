@@ -1,0 +1,324 @@
+// Contested clusters, and the arbiter's rule.
+#include "server/aura/adaptive/contests.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "server/aura/adaptive/aura_size.h"
+#include "server/aura/adaptive/homecoming.h"
+
+namespace aureole {
+namespace {
+
+using Surroundings = Contests::Surroundings;
+/// A cluster goes to the lowest server that has anything near to it, or on its way, if that is a
+/// third one: at a corner it would be fetched on to that one soon.
+constexpr Surroundings near_by{1.0, 0.5};
+/// Who has changed its owner within the last second goes as far as it may have to at once: it must
+/// not change it more than twice.
+constexpr Surroundings far_around{8.0, 1.0};
+
+/// What is given to a higher number may have to come down again: where a third server is so near,
+/// all go to the lower one; who has changed its owner within the last second does so sooner.
+constexpr Surroundings up_near{8.0, 1.0};
+constexpr Surroundings up_near_again{24.0, 1.0};
+
+/// Hosts of auras are told of what lies so near to them (m), and as far as their bodies can get in
+/// the reach time: auras grow in one step when something comes in the way of a body, and the
+/// arbiter must have heard of both by then.
+constexpr double visitor_clearance_m = 1.0;
+
+/// Ways of a second change little meanwhile.
+constexpr std::int64_t warning_interval_ticks = 4;
+
+std::uint8_t size_class_of(std::size_t bodies) {
+  const int power = std::bit_width(std::max<std::size_t>(bodies, 1)) - 1;
+  return static_cast<std::uint8_t>(std::min(power, int{Company::size_class_max}));
+}
+
+/// Of the body that its cluster was found from: whichever that is.
+std::uint16_t label_of(BodyId body) {
+  const std::uint64_t mixed = body.value * 0x9E37'79B9'7F4A'7C15;  // Knuth's multiplicative hash
+  return static_cast<std::uint16_t>(std::max<std::uint64_t>(mixed >> 48, 1));
+}
+
+}  // namespace
+
+void Contests::find(const MigrationSituation& s, const Outlook& outlook, Clusters& clusters) {
+  situation_ = &s;
+  outlook_ = &outlook;
+  clusters_ = &clusters;
+  meetings_.clear();
+  around_.clear();
+  companies_.clear();
+  contested_.assign(s.hosted.size(), false);
+  visitors_.assign(s.hosted.size(), {});
+  std::erase_if(given_, [&](const auto& given) { return s.now - given.second.at > hold_ticks_; });
+  std::vector<std::uint32_t> found;
+  for (const RemoteAura& aura : s.remote) {
+    AuraBox wide = aura.room.box();
+    wide.half.array() += visitor_clearance_m + aura.speed_mps * reach_s_;
+    found.clear();
+    outlook.grid().find(wide, found);
+    for (const std::uint32_t body : found) {
+      visitors_[body].add(aura.host);
+      if ((outlook.rests(body) && aura.resting) || !overlap(aura.room, outlook.aura(body)))
+        continue;
+      contested_[body] = true;
+      Meetings& meets = meetings_[clusters.of(body)];
+      if (meets.empty() || meets.back() != &aura) meets.push_back(&aura);
+    }
+  }
+  if (s.now - last_warning_ >= warning_interval_ticks) look_ahead();
+  auto warned = warned_.begin();
+  for (std::uint32_t i = 0; i < s.hosted.size() && warned != warned_.end(); ++i) {
+    while (warned != warned_.end() && warned->first < s.hosted[i].id) ++warned;
+    if (warned != warned_.end() && warned->first == s.hosted[i].id)
+      visitors_[i].add(warned->second);
+  }
+}
+
+/// Whoever hosts something on the way of what moves here is told of it: it must not come home into
+/// the way.
+void Contests::look_ahead() {
+  last_warning_ = situation_->now;
+  warned_.clear();
+  if (situation_->remote.empty()) return;
+  std::vector<std::uint32_t> found;
+  for (std::uint32_t i = 0; i < situation_->hosted.size(); ++i) {
+    if (!outlook_->moves(i)) continue;
+    const AuraBox way = way_of(situation_->hosted[i], clear_flight_s);
+    if (!outlook_->near_others(way)) continue;
+    found.clear();
+    outlook_->remote_grid().find(way, found);
+    RegionSet hosts;
+    for (const std::uint32_t other : found) hosts.add(situation_->remote[other].host);
+    if (!hosts.empty()) warned_.emplace_back(situation_->hosted[i].id, hosts);
+  }
+}
+
+std::uint8_t Contests::changes_of(Clusters::Number cluster) const {
+  std::uint8_t most = 0;
+  for (const std::uint32_t member : clusters_->members(cluster)) {
+    const HostedBody& body = situation_->hosted[member];
+    const bool once = situation_->now - body.changed_owner < long_stay_ticks;
+    const bool twice = situation_->now - body.changed_owner_before < long_stay_ticks;
+    most = std::max<std::uint8_t>(most, twice ? 2 : once ? 1 : 0);
+  }
+  return most;
+}
+
+/// Servers whose region, or anything of whom, is near the box; ours left out.
+void Contests::add_around(const AuraBox& box, double clearance_m, RegionSet& around) const {
+  AuraBox wide = box;
+  wide.half.array() += clearance_m;
+  const double low_x = wide.centre.x() - wide.half.x(), high_x = wide.centre.x() + wide.half.x();
+  const double low_z = wide.centre.z() - wide.half.z(), high_z = wide.centre.z() + wide.half.z();
+  const Rectangle& home = situation_->map.area(situation_->self);
+  const bool inside =
+      low_x >= home.min_x && high_x < home.max_x && low_z >= home.min_z && high_z < home.max_z;
+  if (!inside)
+    for (std::uint16_t k = 0; k < situation_->map.size(); ++k)
+      if (situation_->linked[k] &&
+          situation_->map.area(RegionId{k}).overlaps(low_x, low_z, high_x, high_z))
+        around.add(RegionId{k});
+  if (outlook_->near_others(wide)) {
+    std::vector<std::uint32_t> found;
+    outlook_->remote_grid().find(wide, found);
+    for (const std::uint32_t other : found) {
+      const RegionId host = situation_->remote[other].host;
+      if (situation_->linked[host.value]) around.add(host);
+    }
+  }
+  around.remove(situation_->self);
+}
+
+void Contests::add_around(Clusters::Number cluster, const Surroundings& look,
+                          RegionSet& around) const {
+  for (const std::uint32_t member : clusters_->members(cluster)) {
+    AuraBox box = outlook_->box(member);
+    if (!outlook_->rests(member))
+      box = joined(box, way_of(situation_->hosted[member], look.onward_s));
+    add_around(box, look.clearance_m, around);
+  }
+}
+
+const RegionSet& Contests::around(Clusters::Number cluster) {
+  if (around_.size() <= cluster) around_.resize(clusters_->size());
+  if (!around_[cluster])
+    add_around(cluster, clusters_->has_moved(cluster, long_stay_ticks) ? far_around : near_by,
+               around_[cluster].emplace());
+  return *around_[cluster];
+}
+
+RegionId Contests::lowest_around(Clusters::Number cluster) {
+  const RegionSet& others = around(cluster);
+  return others.empty() ? situation_->self : std::min(others.lowest(), situation_->self);
+}
+
+const Company& Contests::company_of(std::uint32_t body) {
+  const Clusters::Number cluster = clusters_->of(body);
+  if (companies_.size() <= cluster) companies_.resize(clusters_->size());
+  if (companies_[cluster]) return *companies_[cluster];
+  Company& company = companies_[cluster].emplace();
+  RegionSet others = around(cluster);
+  company.label = label_of(situation_->hosted[clusters_->members(cluster).front()].id);
+  company.size_class = size_class_of(clusters_->members(cluster).size());
+  company.changes = changes_of(cluster);
+  if (!others.empty()) others.remove(others.lowest());
+  company.crowded = !others.empty();
+  return company;
+}
+
+bool Contests::has_just_come(Clusters::Number cluster, RegionId from) const {
+  const auto members = clusters_->members(cluster);
+  return std::any_of(members.begin(), members.end(), [&](std::uint32_t member) {
+    const HostedBody& body = situation_->hosted[member];
+    return body.came_from == from && situation_->now - body.changed_owner <= hold_ticks_;
+  });
+}
+
+std::vector<Contests::Contest> Contests::joined_contests() const {
+  std::vector<Contest> contests;
+  std::map<std::pair<RegionId, std::uint16_t>, std::size_t> of_cluster;  // Others'.
+  std::map<BodyId, std::size_t> of_body;
+  for (const auto& [cluster, meets] : meetings_) {
+    if (clusters_->sent(cluster)) continue;
+    Contest fresh{{cluster}, meets};
+    const std::size_t number = contests.size();
+    const auto join = [&](std::size_t& place) {
+      const std::size_t other = std::exchange(place, number);
+      if (other == number) return;
+      Contest& absorbed = contests[other];
+      fresh.ours.insert(fresh.ours.end(), absorbed.ours.begin(), absorbed.ours.end());
+      fresh.meets.insert(fresh.meets.end(), absorbed.meets.begin(), absorbed.meets.end());
+      absorbed = {};
+      for (auto& [key, at] : of_cluster)
+        if (at == other) at = number;
+      for (auto& [key, at] : of_body)
+        if (at == other) at = number;
+    };
+    for (const RemoteAura* aura : meets) {
+      join(of_body.try_emplace(aura->id, number).first->second);
+      if (aura->company.label != 0)
+        join(of_cluster.try_emplace({aura->host, aura->company.label}, number).first->second);
+    }
+    contests.push_back(std::move(fresh));
+  }
+  std::erase_if(contests, [](const Contest& contest) { return contest.ours.empty(); });
+  for (Contest& contest : contests) {
+    std::sort(contest.ours.begin(), contest.ours.end());
+    std::sort(contest.meets.begin(), contest.meets.end(),
+              [](const auto* a, const auto* b) { return a->id < b->id; });
+    contest.meets.erase(std::unique(contest.meets.begin(), contest.meets.end()),
+                        contest.meets.end());
+  }
+  return contests;
+}
+
+RegionId Contests::arbitrate(const Contest& contest, RegionId other) const {
+  const RegionId self = situation_->self;
+  std::uint8_t our_changes = 0, their_changes = 0;
+  std::optional<RegionId> given;
+  const auto note_given = [&](BodyId id) {
+    const auto at = given_.find(id);
+    // Up wins: what we asked for stays where what we gave has come to it (has_just_come()).
+    if (at != given_.end()) given = given ? std::max(*given, at->second.to) : at->second.to;
+  };
+  Eigen::Vector3d theirs(0, 0, 0), ours(0, 0, 0);
+  std::map<std::uint16_t, double> their_clusters;
+  for (const RemoteAura* aura : contest.meets) {
+    theirs += aura->room.centre / static_cast<double>(contest.meets.size());
+    double& weight = their_clusters[aura->company.label];
+    weight = std::max(weight, static_cast<double>(1 << aura->company.size_class));
+    their_changes = std::max(their_changes, aura->company.changes);
+    note_given(aura->id);
+  }
+  double meeting = 0, our_weight = 0, their_weight = 0;
+  for (const auto& [label, weight] : their_clusters) their_weight += weight;
+  their_weight = std::max(their_weight, static_cast<double>(contest.meets.size()));
+  for (const Clusters::Number cluster : contest.ours) {
+    our_changes = std::max(our_changes, changes_of(cluster));
+    our_weight += 1 << size_class_of(clusters_->members(cluster).size());
+    for (const std::uint32_t member : clusters_->members(cluster)) {
+      if (!contested_[member]) continue;
+      ours += situation_->hosted[member].position.vector();
+      note_given(situation_->hosted[member].id);
+      ++meeting;
+    }
+  }
+  ours /= meeting;
+  // Who has changed its owner more often stays.
+  if (our_changes == Company::changes_max) return self;
+  if (their_changes == Company::changes_max) return other;
+  if (given) return *given;
+  if (our_changes != their_changes) return our_changes > their_changes ? self : other;
+  const Eigen::Vector3d middle =
+      (ours * our_weight + theirs * their_weight) / (our_weight + their_weight);
+  const auto distance = [&](RegionId region) {
+    return situation_->map.area(region).distance(middle.x(), middle.z());
+  };
+  return distance(other) < distance(self) ? other : self;
+}
+
+/// The lowest server whose side has changed its owner as often as it should.
+std::optional<RegionId> Contests::settled_host(const Contest& contest) const {
+  RegionSet settled;
+  for (const RemoteAura* aura : contest.meets)
+    if (aura->company.changes == Company::changes_max) settled.add(aura->host);
+  for (const Clusters::Number cluster : contest.ours)
+    if (changes_of(cluster) == Company::changes_max) settled.add(situation_->self);
+  if (settled.empty()) return {};
+  return settled.lowest();
+}
+
+bool Contests::meets_a_third_soon(const Contest& contest, RegionId other) const {
+  RegionSet others;
+  for (const Clusters::Number cluster : contest.ours)
+    add_around(cluster, changes_of(cluster) > 0 ? up_near_again : up_near, others);
+  others.remove(other);
+  return !others.empty();
+}
+
+void Contests::remember(const Contest& contest, RegionId to) {
+  const Given given{to, situation_->now};
+  for (const RemoteAura* aura : contest.meets) given_[aura->id] = given;
+  if (to == situation_->self) return;
+  for (const Clusters::Number cluster : contest.ours)
+    for (const std::uint32_t member : clusters_->members(cluster))
+      given_[situation_->hosted[member].id] = given;
+}
+
+std::vector<Contests::Verdict> Contests::verdicts() {
+  const RegionId self = situation_->self;
+  std::vector<Verdict> all;
+  for (const Contest& contest : joined_contests()) {
+    RegionSet others;
+    for (const Clusters::Number cluster : contest.ours) others.add(around(cluster));
+    bool crowded = false;
+    for (const RemoteAura* aura : contest.meets) {
+      others.add(aura->host);
+      crowded = crowded || aura->company.crowded;
+      const bool moved = aura->company.changes > 0;
+      add_around(aura->room.box(), moved ? far_around.clearance_m : near_by.clearance_m, others);
+    }
+    const RegionId lowest = others.lowest();
+    RegionSet third = others;
+    third.remove(lowest);
+    Verdict verdict{contest.ours, std::min(lowest, self), {}};
+    if (crowded || !third.empty()) {
+      verdict.to = settled_host(contest).value_or(verdict.to);
+    } else {
+      if (lowest < self) continue;  // It decides.
+      verdict.to = arbitrate(contest, lowest);
+      if (verdict.to != self && meets_a_third_soon(contest, lowest)) verdict.to = self;
+      remember(contest, verdict.to);
+    }
+    for (const RemoteAura* aura : contest.meets)
+      if (aura->host > self && aura->host != verdict.to) verdict.asked.push_back(aura);
+    all.push_back(std::move(verdict));
+  }
+  return all;
+}
+
+}  // namespace aureole

@@ -1,0 +1,106 @@
+// Who gets bodies that must be together and are not.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "server/aura/adaptive/aura_size.h"
+#include "server/aura/adaptive/clusters.h"
+#include "server/aura/adaptive/outlook.h"
+#include "server/aura/audience.h"
+#include "server/aura/migration_policy.h"
+
+namespace aureole {
+
+/// A cluster that meets auras of other servers, of which either moves, is contested. Two servers
+/// never decide about the same pair:
+///
+///   - Between two the lower number is the arbiter. It gives both sides to whoever's region the
+///     middle of what meets lies in, each side weighted by how much would have to move; who has
+///     changed its owner twice within a second stays. It sends its own or asks for the other's.
+///     The other one tells it of its side, and waits.
+///   - Where a third server is near all go to the lowest: around a corner nobody sees everything.
+class Contests {
+ public:
+  explicit Contests(const AuraTolerances& tolerances) { set_tolerances(tolerances); }
+
+  void set_tolerances(const AuraTolerances& tolerances) {
+    reach_s_ = reach_time_s(tolerances);
+    hold_ticks_ = 2 * steps_in_flight(tolerances) + 2;
+  }
+
+  /// Once a tick.
+  void find(const MigrationSituation& situation, const Outlook& outlook, Clusters& clusters);
+
+  /// What counts as near to a cluster.
+  struct Surroundings {
+    double clearance_m;  ///< Around its auras, and around its members' ways …
+    double onward_s;     ///< … of so long.
+  };
+  struct Verdict {
+    std::vector<Clusters::Number> clusters;  ///< Ours that meet, directly or through others'.
+    RegionId to;                             ///< Our own number: they stay.
+    std::vector<const RemoteAura*> asked;    ///< What shall come there too.
+  };
+  /// What becomes of the contested clusters, each once, in a fixed order.
+  std::vector<Verdict> verdicts();
+
+  /// The lowest server that has anything near a cluster, or on its way, if lower than ours.
+  RegionId lowest_around(Clusters::Number cluster);
+
+  /// Whether a body of a cluster has just been handed over by a server: what that one asks of the
+  /// cluster, it asked before it knew of them together. It will ask again.
+  bool has_just_come(Clusters::Number cluster, RegionId from) const;
+
+  /// Whether a body must be brought together with somebody else's.
+  const std::vector<bool>& contested() const { return contested_; }
+  /// Hosts of the auras near each body's: they are told of it.
+  const std::vector<RegionSet>& visitors() const { return visitors_; }
+  /// Of a body whose cluster is known.
+  const Company& company_of(std::uint32_t body);
+
+ private:
+  using Meetings = std::vector<const RemoteAura*>;
+  /// Clusters that hang together through those of others.
+  struct Contest {
+    std::vector<Clusters::Number> ours;
+    Meetings meets;
+  };
+  void look_ahead();
+  std::vector<Contest> joined_contests() const;
+  std::uint8_t changes_of(Clusters::Number cluster) const;
+  RegionId arbitrate(const Contest& contest, RegionId other) const;
+  void remember(const Contest& contest, RegionId to);
+  std::optional<RegionId> settled_host(const Contest& contest) const;
+  bool meets_a_third_soon(const Contest& contest, RegionId other) const;
+  void add_around(const AuraBox& box, double clearance_m, RegionSet& around) const;
+  void add_around(Clusters::Number cluster, const Surroundings& look, RegionSet& around) const;
+  const RegionSet& around(Clusters::Number cluster);
+
+  double reach_s_ = 0;
+  std::int64_t hold_ticks_ = 0;
+  const MigrationSituation* situation_ = nullptr;
+  const Outlook* outlook_ = nullptr;
+  Clusters* clusters_ = nullptr;
+  std::map<Clusters::Number, Meetings> meetings_;
+  /// By cluster, found out when first asked for.
+  std::vector<std::optional<RegionSet>> around_;
+  std::vector<std::optional<Company>> companies_;
+  std::vector<bool> contested_;
+  std::vector<RegionSet> visitors_;
+  /// Who hosts something on the way of each body, by the last look ahead; ascending.
+  std::vector<std::pair<BodyId, RegionSet>> warned_;
+  Tick last_warning_{-1'000'000};
+  /// Where the arbiter has lately given bodies, ours and others': until they have arrived, whoever
+  /// meets them goes there too.
+  struct Given {
+    RegionId to;
+    Tick at;
+  };
+  std::map<BodyId, Given> given_;
+};
+
+}  // namespace aureole

@@ -1,0 +1,21 @@
+// The segment that a shape lies around.
+#include "server/physics/shape.h"
+
+namespace aureole {
+
+Spine spine(const Shape& shape) {
+  if (const auto* capsule = std::get_if<CapsuleShape>(&shape))
+    return {{0, std::max(0.f, capsule->height / 2 - capsule->radius), 0}, capsule->radius};
+  if (const auto* cylinder = std::get_if<CylinderShape>(&shape))
+    return {{0, cylinder->height / 2, 0}, cylinder->radius};
+  if (const auto* box = std::get_if<BoxShape>(&shape)) {
+    Eigen::Index longest;
+    box->half_extents.maxCoeff(&longest);
+    Eigen::Vector3f along(0, 0, 0), across = box->half_extents;
+    std::swap(along[longest], across[longest]);
+    return {along, across.norm()};
+  }
+  return {{0, 0, 0}, bounding_radius(shape)};
+}
+
+}  // namespace aureole

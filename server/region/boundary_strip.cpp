@@ -1,0 +1,72 @@
+// A rectangle, and squares around whoever is inside it.
+#include "server/region/boundary_strip.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace aureole {
+
+BoundaryStrip::BoundaryStrip(const PartitionMap& map, RegionId self, double depth_m)
+    : depth_m_(depth_m), inner_(map.area(self)) {
+  inner_.min_x += depth_m;
+  inner_.min_z += depth_m;
+  inner_.max_x -= depth_m;
+  inner_.max_z -= depth_m;
+}
+
+std::int64_t BoundaryStrip::column(double x) const {
+  return static_cast<std::int64_t>(std::floor((x - low_x_) / square_m));
+}
+std::int64_t BoundaryStrip::row(double z) const {
+  return static_cast<std::int64_t>(std::floor((z - low_z_) / square_m));
+}
+
+void BoundaryStrip::note(std::span<const RemoteAura> remote) {
+  visited_ = false;
+  double high_x = 0, high_z = 0;
+  const auto reaches_in = [&](const AuraBox& box, double x, double z) {
+    return inner_.overlaps(box.centre.x() - x, box.centre.z() - z, box.centre.x() + x,
+                           box.centre.z() + z);
+  };
+  const auto around = [&](const RemoteAura& aura) {
+    const AuraBox box = aura.room.box();
+    return std::pair(box.half.x() + depth_m_, box.half.z() + depth_m_);
+  };
+  for (const RemoteAura& aura : remote) {
+    const auto [x, z] = around(aura);
+    if (!reaches_in(aura.room.box(), x, z)) continue;
+    const Eigen::Vector3d& at = aura.room.centre;
+    low_x_ = visited_ ? std::min(low_x_, at.x() - x) : at.x() - x;
+    low_z_ = visited_ ? std::min(low_z_, at.z() - z) : at.z() - z;
+    high_x = visited_ ? std::max(high_x, at.x() + x) : at.x() + x;
+    high_z = visited_ ? std::max(high_z, at.z() + z) : at.z() + z;
+    visited_ = true;
+  }
+  if (!visited_) return;
+  // Wider than this nobody comes in; then everything counts.
+  columns_ = column(high_x) + 1;
+  rows_ = row(high_z) + 1;
+  if (columns_ > side_max || rows_ > side_max) {
+    marked_.clear();
+    return;
+  }
+  marked_.assign(static_cast<std::size_t>(columns_ * rows_), false);
+  for (const RemoteAura& aura : remote) {
+    const auto [x, z] = around(aura);
+    if (!reaches_in(aura.room.box(), x, z)) continue;
+    const Eigen::Vector3d& at = aura.room.centre;
+    const std::int64_t last = column(at.x() + x);
+    for (std::int64_t r = row(at.z() - z); r <= row(at.z() + z); ++r)
+      for (std::int64_t c = column(at.x() - x); c <= last; ++c)
+        marked_[static_cast<std::size_t>(r * columns_ + c)] = true;
+  }
+}
+
+bool BoundaryStrip::is_marked(const WorldPosition& at) const {
+  if (marked_.empty()) return true;
+  const std::int64_t c = column(at.x), r = row(at.z);
+  return c >= 0 && c < columns_ && r >= 0 && r < rows_ &&
+         marked_[static_cast<std::size_t>(r * columns_ + c)];
+}
+
+}  // namespace aureole

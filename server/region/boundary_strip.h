@@ -1,0 +1,46 @@
+// Which part of a region's world its decisions depend on.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "server/aura/migration_policy.h"
+#include "server/aura/partition_map.h"
+
+namespace aureole {
+
+/// Everything outside the region, and what is less than `depth_m` from its boundary or from an aura
+/// that another server projects: whatever happens elsewhere comes to nobody's notice before this
+/// strip is looked at again. Found in a constant time for each body.
+class BoundaryStrip {
+ public:
+  BoundaryStrip(const PartitionMap& map, RegionId self, double depth_m);
+
+  /// Once a tick: where others have something inside our region.
+  void note(std::span<const RemoteAura> remote);
+
+  bool holds(const WorldPosition& at) const {
+    if (!(at.x >= inner_.min_x && at.x < inner_.max_x && at.z >= inner_.min_z &&
+          at.z < inner_.max_z))
+      return true;
+    return visited_ && is_marked(at);
+  }
+
+ private:
+  /// Edge of a square that is marked as a whole (unit: m).
+  static constexpr double square_m = 8;
+  static constexpr std::int64_t side_max = 512;
+  bool is_marked(const WorldPosition& at) const;
+  std::int64_t column(double x) const;
+  std::int64_t row(double z) const;
+
+  double depth_m_;
+  Rectangle inner_;  ///< Without the strip along the boundary.
+  bool visited_ = false;
+  double low_x_ = 0, low_z_ = 0;
+  std::int64_t columns_ = 0, rows_ = 0;
+  std::vector<bool> marked_;
+};
+
+}  // namespace aureole

@@ -1,0 +1,87 @@
+// The grid finds what comparing each with each finds; capsules are as far apart as their points.
+#include <algorithm>
+#include <random>
+
+#include "server/aura/aura_capsule.h"
+#include "server/aura/overlap_grid.h"
+#include "tests/support/catch.h"
+
+using namespace aureole;
+
+namespace {
+
+struct Dice {
+  std::mt19937 engine{5};
+  double between(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(engine);
+  }
+  Eigen::Vector3d vector(double low, double high) {
+    return {between(low, high), between(low, high), between(low, high)};
+  }
+};
+
+AuraBox box_of(Dice& dice, double world_m, double half_m) {
+  return {dice.vector(-world_m, world_m), dice.vector(0, half_m)};
+}
+
+double distance_by_samples(const AuraCapsule& a, const AuraCapsule& b) {
+  double least = 1e9;
+  for (int i = -50; i <= 50; ++i)
+    for (int j = -50; j <= 50; ++j)
+      least = std::min(
+          least, (a.centre + i / 50.0 * a.half_spine - b.centre - j / 50.0 * b.half_spine).norm());
+  return least - a.girth_m - b.girth_m;
+}
+
+}  // namespace
+
+TEST_CASE("the grid finds each overlapping box once, small ones and huge ones") {
+  Dice dice;
+  for (const double world_m : {3.0, 40.0, 5000.0})
+    for (const double half_m : {0.0, 1.5, 30.0}) {
+      std::vector<AuraBox> boxes;
+      for (int n = 0; n < 200; ++n) boxes.push_back(box_of(dice, world_m, half_m));
+      boxes.push_back({{0, 0, 0}, {1000, 1000, 1000}});
+      OverlapGrid grid;
+      grid.build(boxes);
+      for (int n = 0; n < 60; ++n) {
+        const AuraBox asked =
+            n < 30 ? boxes[static_cast<std::size_t>(n)] : box_of(dice, 1.2 * world_m, 2 * half_m);
+        std::vector<std::uint32_t> found, expected;
+        grid.find(asked, found);
+        for (std::uint32_t i = 0; i < boxes.size(); ++i)
+          if (boxes[i].overlaps(asked)) expected.push_back(i);
+        std::sort(found.begin(), found.end());
+        REQUIRE(found == expected);
+      }
+    }
+}
+
+TEST_CASE("a grid without boxes finds nothing, and one that is built again forgets the first") {
+  OverlapGrid grid;
+  std::vector<std::uint32_t> found;
+  grid.find({{0, 0, 0}, {1, 1, 1}}, found);
+  REQUIRE(found.empty());
+  const std::vector<AuraBox> one{{{0, 0, 0}, {1, 1, 1}}}, other{{{9, 0, 0}, {1, 1, 1}}};
+  grid.build(one);
+  grid.build(other);
+  grid.find({{0, 0, 0}, {1, 1, 1}}, found);
+  REQUIRE(found.empty());
+}
+
+TEST_CASE("the gap of two capsules is that of their nearest points") {
+  Dice dice;
+  for (int n = 0; n < 300; ++n) {
+    AuraCapsule a{dice.vector(-2, 2), dice.vector(-1, 1), dice.between(0, 1)};
+    AuraCapsule b{dice.vector(-2, 2), dice.vector(-1, 1), dice.between(0, 1)};
+    if (n % 5 == 0) a.half_spine = {0, 0, 0};
+    if (n % 7 == 0) b.half_spine = {0, 0, 0};
+    if (n % 11 == 0) b.half_spine = -0.5 * a.half_spine;  // Parallel.
+    const double gap = gap_m(a, b), sampled = distance_by_samples(a, b);
+    REQUIRE(gap == Approx(gap_m(b, a)).margin(1e-9));
+    REQUIRE(gap <= sampled + 1e-9);
+    REQUIRE(gap >= sampled - 0.03);
+    REQUIRE(overlap(a, b) == (gap <= 0));
+    if (overlap(a, b)) REQUIRE(a.box().overlaps(b.box()));
+  }
+}
