@@ -1,0 +1,172 @@
+// Who gets bodies that two servers must bring together: the arbiter's decisions, one look at a
+// time.
+#include "tests/support/catch.h"
+#include "tests/unit/aura/adaptive_scene.h"
+
+using namespace aureole;
+using namespace aureole::adaptive_scene;
+
+TEST_CASE("the lower server asks for the other one's body unless both rest") {
+  for (const bool ours_sleeps : {false, true})
+    for (const bool theirs_sleeps : {false, true}) {
+      Scene scene;
+      scene.hosted = {ours_sleeps ? asleep_at(0, 9.6) : awake_at(0, 9.6)};
+      scene.remote = {aura(1, 1, theirs_sleeps, 10.3)};
+      const auto decision = scene.decide();
+      REQUIRE(decision.leaving.empty());
+      if (ours_sleeps && theirs_sleeps) {
+        REQUIRE(decision.pulls.empty());
+        continue;
+      }
+      REQUIRE(decision.pulls.size() == 1);
+      REQUIRE(decision.pulls[0].from == RegionId{1});
+      REQUIRE(decision.pulls[0].bodies == std::vector{name(1)});
+    }
+}
+
+TEST_CASE("the higher server waits for the arbiter, and tells it of its side") {
+  Scene scene;
+  scene.self = 1;
+  scene.hosted = {asleep_at(0, 10.6)};  // Its own aura ends short of the boundary.
+  for (const bool rests : {false, true}) {
+    scene.remote = {aura(1, 0, rests, 10.1)};
+    const auto decision = scene.decide();
+    REQUIRE(decision.pulls.empty());
+    REQUIRE(decision.leaving.empty());
+    REQUIRE(told_of(decision, name(0)) == regions({0}));
+  }
+  scene.remote.clear();
+  REQUIRE(told_of(scene.decide(), name(0)).empty());
+}
+
+TEST_CASE("the arbiter gives a pair to whoever's region its middle lies in") {
+  Scene scene;
+  scene.hosted = {awake_at(0, 9.9)};
+  scene.remote = {aura(1, 1, false, 10.3)};
+  auto decision = scene.decide();
+  REQUIRE(decision.pulls.empty());
+  REQUIRE(decision.leaving.size() == 1);
+  REQUIRE(decision.leaving[0].to == RegionId{1});
+  // Less of it would have to move the other way.
+  for (int n = 2; n < 6; ++n) scene.hosted.push_back(awake_at(n, 9.9 - 0.5 * (n - 1)));
+  decision = scene.decide();
+  REQUIRE(decision.leaving.empty());
+  REQUIRE(decision.pulls.size() == 1);
+  // There are more of them than we see.
+  scene.remote[0].company.size_class = 5;
+  REQUIRE(scene.decide().leaving.size() == 1);
+}
+
+TEST_CASE("who has changed its owner more often stays where it is") {
+  Scene scene;
+  for (const bool ours : {false, true}) {
+    scene.hosted = {awake_at(0, ours ? 9.9 : 9.6)};
+    scene.remote = {aura(1, 1, false, 10.3)};
+    REQUIRE(scene.decide().leaving.empty() == !ours);
+    scene.hosted[0].changed_owner = Tick{ours ? -long_stay_ticks + 1 : -long_stay_ticks};
+    scene.remote[0].company.changes = ours ? 0 : 1;
+    REQUIRE(scene.decide().leaving.empty() == ours);
+    // Twice is as often as it should.
+    scene.hosted[0].changed_owner = Tick{-1};
+    scene.hosted[0].changed_owner_before = Tick{ours ? -2 : -long_stay_ticks};
+    scene.remote[0].company.changes = ours ? 1 : 2;
+    REQUIRE(scene.decide().leaving.empty() == ours);
+  }
+}
+
+TEST_CASE("what the arbiter has asked for is not met halfway") {
+  Scene scene;
+  const auto policy = make_adaptive_policy(AuraTolerances{});
+  scene.hosted = {awake_at(0, 9.6)};
+  scene.remote = {aura(1, 1, false, 10.3)};
+  REQUIRE(scene.decide(*policy, Tick{0}).pulls.size() == 1);
+  scene.hosted[0].position.x = 9.9;  // The middle is on the other side now.
+  REQUIRE(scene.decide(*policy, Tick{1}).leaving.empty());
+  REQUIRE(scene.decide(*policy, Tick{20}).leaving.size() == 1);
+}
+
+TEST_CASE("clusters that hang together through one of another server's get one verdict") {
+  Scene scene;
+  scene.hosted = {awake_at(0, 9.9, 0), awake_at(1, 9.0, 3)};
+  scene.remote = {aura(2, 1, false, 10.3, 0), aura(3, 1, false, 9.6, 3)};
+  auto decision = scene.decide();
+  REQUIRE(decision.leaving.size() == 1);
+  REQUIRE(decision.leaving[0].bodies == std::vector{name(0)});
+  REQUIRE(decision.pulls.size() == 1);
+  for (RemoteAura& aura : scene.remote) aura.company.label = 7;
+  decision = scene.decide();
+  REQUIRE(decision.leaving.empty());
+  REQUIRE(decision.pulls.size() == 1);
+  REQUIRE(decision.pulls[0].bodies.size() == 2);
+}
+
+TEST_CASE("a request by the server that has just handed the cluster over is out of date") {
+  Scene scene;
+  scene.self = 1;
+  scene.hosted = {asleep_at(0, 10.6)};
+  scene.hosted[0].came_from = RegionId{1};
+  scene.requested = {{name(0), RegionId{0}}};
+  REQUIRE(scene.decide().leaving.size() == 1);
+  scene.hosted[0].changed_owner = Tick{-3};
+  REQUIRE(scene.decide().leaving.size() == 1);
+  scene.hosted[0].came_from = RegionId{0};
+  scene.hosted[0].changed_owner = Tick{-30};
+  REQUIRE(scene.decide().leaving.size() == 1);
+  scene.hosted[0].changed_owner = Tick{-3};
+  REQUIRE(scene.decide().leaving.empty());
+}
+
+TEST_CASE("nothing is given to a higher number where a third server is near") {
+  Scene scene;
+  scene.map = columns(3);
+  scene.self = 1;
+  scene.hosted = {awake_at(0, 19.9)};
+  scene.remote = {aura(1, 2, false, 20.3)};
+  REQUIRE(scene.decide().leaving.size() == 1);
+  scene.map = PartitionMap({{-inf, -inf, 0, inf}, {0, -inf, 7, inf}, {7, -inf, inf, inf}});
+  scene.hosted = {awake_at(0, 6.9)};
+  scene.remote = {aura(1, 2, false, 7.3)};
+  REQUIRE(scene.decide().leaving.empty());
+  REQUIRE(scene.decide().pulls.size() == 1);
+}
+
+TEST_CASE("both servers of a pair look at the same overlap and exactly one moves its body") {
+  for (const bool ours_sleeps : {false, true})
+    for (const bool theirs_sleeps : {false, true}) {
+      Scene low, high;
+      high.self = 1;
+      low.hosted = {ours_sleeps ? asleep_at(0, 9.8) : awake_at(0, 9.8)};
+      low.remote = {aura(1, 1, theirs_sleeps, 10.3)};
+      high.hosted = {theirs_sleeps ? asleep_at(1, 10.3) : awake_at(1, 10.3)};
+      high.remote = {aura(0, 0, ours_sleeps, 9.8)};
+      const auto first = low.decide();
+      for (const Pull& pull : first.pulls)
+        for (BodyId id : pull.bodies) high.requested.push_back({id, RegionId{0}});
+      const std::size_t moves = ours_sleeps && theirs_sleeps ? 0 : 1;
+      REQUIRE(first.leaving.size() + high.decide().leaving.size() == moves);
+    }
+}
+
+TEST_CASE("a body that meets two servers at a corner goes to the lowest one") {
+  Scene scene;
+  scene.map = columns(3);
+  scene.self = 2;
+  scene.hosted = {awake_at(0, 20.1)};
+  scene.remote = {aura(1, 1, true, 19.6), aura(2, 0, true, 20.4)};
+  const auto decision = scene.decide();
+  REQUIRE(decision.leaving.size() == 1);
+  REQUIRE(decision.leaving[0].to == RegionId{0});
+}
+
+TEST_CASE("who has just changed its owner goes at once as far as it may have to") {
+  Scene scene;
+  scene.map = columns(3);
+  scene.self = 2;
+  scene.hosted = {awake_at(0, 13)};  // Three metres from the lowest server's region.
+  scene.remote = {aura(1, 1, false, 13.5)};
+  REQUIRE(scene.decide().leaving.empty());  // The other one decides.
+  scene.hosted[0].changed_owner = Tick{-long_stay_ticks + 1};
+  REQUIRE(scene.decide().leaving[0].to == RegionId{0});
+  scene.hosted[0].changed_owner = Tick{-long_stay_ticks};
+  REQUIRE(scene.decide().leaving.empty());
+}
