@@ -106,6 +106,7 @@ class ContactSource {
 struct HandoverRequest {
   BodyId body;
   RegionId to;
+  RegionId asker{};
 };
 
 /// Everything that a decision may depend on; spans ascending by id, no body in both `hosted` and

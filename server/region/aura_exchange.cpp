@@ -202,13 +202,14 @@ Result<Tick> AuraExchange::receive(RegionId from, std::span<const std::byte> pay
 
 std::vector<HandoverRequest> AuraExchange::take_in() {
   if (!changed_) return {};
-  std::map<BodyId, RegionId> requested;
+  std::map<BodyId, HandoverRequest> requested;
   remote_.clear();
   const auto by_id = [](const RemoteAura& a, const RemoteAura& b) { return a.id < b.id; };
   for (auto& [id, peer] : peers_) {
     for (const HandoverRequest& pull : peer.pulls) {
-      const auto [at, fresh] = requested.try_emplace(pull.body, pull.to);
-      if (!fresh) at->second = std::min(at->second, pull.to);
+      const HandoverRequest heard{pull.body, pull.to, id};
+      const auto [at, fresh] = requested.try_emplace(pull.body, heard);
+      if (!fresh && pull.to < at->second.to) at->second = heard;
     }
     peer.pulls.clear();
     if (peer.theirs.empty()) continue;
@@ -221,7 +222,7 @@ std::vector<HandoverRequest> AuraExchange::take_in() {
   const auto same = [](const RemoteAura& a, const RemoteAura& b) { return a.id == b.id; };
   remote_.erase(std::unique(remote_.begin(), remote_.end(), same), remote_.end());
   std::vector<HandoverRequest> requests;
-  for (const auto& [body, to] : requested) requests.push_back({body, to});
+  for (const auto& [body, request] : requested) requests.push_back(request);
   return requests;
 }
 

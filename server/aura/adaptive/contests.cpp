@@ -174,7 +174,7 @@ bool Contests::has_just_come(Clusters::Number cluster, RegionId from) const {
   const auto members = clusters_->members(cluster);
   return std::any_of(members.begin(), members.end(), [&](std::uint32_t member) {
     const HostedBody& body = situation_->hosted[member];
-    return body.came_from == from && situation_->now - body.changed_owner <= hold_ticks_;
+    return body.came_from == from && situation_->now - body.changed_owner < round_trip_ticks_;
   });
 }
 
@@ -223,7 +223,8 @@ RegionId Contests::arbitrate(const Contest& contest, RegionId other) const {
   const auto note_given = [&](BodyId id) {
     const auto at = given_.find(id);
     // Up wins: what we asked for stays where what we gave has come to it (has_just_come()).
-    if (at != given_.end()) given = given ? std::max(*given, at->second.to) : at->second.to;
+    if (at == given_.end() || (at->second.to != self && at->second.to != other)) return;
+    given = given ? std::max(*given, at->second.to) : at->second.to;
   };
   Eigen::Vector3d theirs(0, 0, 0), ours(0, 0, 0);
   std::map<std::uint16_t, double> their_clusters;

@@ -3,7 +3,6 @@
 
 #include <map>
 #include <optional>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -29,7 +28,8 @@ class Contests {
 
   void set_tolerances(const AuraTolerances& tolerances) {
     reach_s_ = reach_time_s(tolerances);
-    hold_ticks_ = 2 * steps_in_flight(tolerances) + 2;
+    round_trip_ticks_ = 2 * steps_in_flight(tolerances);
+    hold_ticks_ = round_trip_ticks_ + 2;
   }
 
   /// Once a tick.
@@ -81,7 +81,8 @@ class Contests {
   const RegionSet& around(Clusters::Number cluster);
 
   double reach_s_ = 0;
-  std::int64_t hold_ticks_ = 0;
+  std::int64_t round_trip_ticks_ = 0;  ///< Until a server hears what is made of its word.
+  std::int64_t hold_ticks_ = 0;        ///< How long a verdict is kept.
   const MigrationSituation* situation_ = nullptr;
   const Outlook* outlook_ = nullptr;
   Clusters* clusters_ = nullptr;
