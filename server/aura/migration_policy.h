@@ -102,6 +102,14 @@ class ContactSource {
   virtual std::size_t leaning_on(std::uint32_t body) const = 0;
 };
 
+/// How much of its server's world a policy is shown.
+class View {
+ public:
+  virtual ~View() = default;
+  /// Whether every body is shown that stands anywhere above or below this box.
+  virtual bool shows(const AuraBox& room) const = 0;
+};
+
 /// A server that decides for a pair asks the other one to hand a body over, with its cluster.
 struct HandoverRequest {
   BodyId body;
@@ -123,6 +131,8 @@ struct MigrationSituation {
   const std::vector<bool>& linked;
   /// Who touches whom; null: nobody is asked (naive, paper, some tests).
   const ContactSource* contacts = nullptr;
+  /// What `hosted` may lack; null: nothing.
+  const View* view = nullptr;
 };
 
 /// Index of the body in `MigrationSituation::hosted`, if it is hosted here.
@@ -158,6 +168,9 @@ struct ProjectedAura {
 };
 
 struct MigrationDecision {
+  /// What must go together may not all be shown. Nothing has been decided: whoever asks shows
+  /// everything, in the same tick, and asks again.
+  bool sees_too_little = false;
   std::vector<Migration> leaving;        ///< Disjoint groups, ascending by destination.
   std::vector<Pull> pulls;               ///< Ascending by `from`, then by `to`.
   std::vector<ProjectedAura> projected;  ///< Ascending by id.
@@ -169,7 +182,8 @@ class MigrationPolicy {
   /// Called once after every step.
   virtual MigrationDecision decide(const MigrationSituation& situation) = 0;
   /// How far from the boundary, and from auras of others, a hosted body is of no interest (m): what
-  /// is farther away need not be shown. Infinite: all are wanted.
+  /// is farther away need not be shown at first; see MigrationDecision::sees_too_little. Infinite:
+  /// all are wanted.
   virtual double depth_m() const { return std::numeric_limits<double>::infinity(); }
   /// From the next decision on auras are sized by these.
   virtual void set_tolerances(const AuraTolerances&) {}

@@ -14,6 +14,9 @@ PrototypeId BodyGlance::prototype() const {
 bool BodyGlance::is_asleep() const {
   return !body_.rigid.isActive();
 }
+float BodyGlance::slow_for_s() const {
+  return body_.rigid.getDeactivationTime();
+}
 WorldPosition BodyGlance::position() const {
   return world_.global(body_.rigid.getWorldTransform().getOrigin());
 }

@@ -48,6 +48,9 @@ class BodyGlance {
   BodyId id() const;
   PrototypeId prototype() const;
   bool is_asleep() const;
+  /// For how long it has been slower than PhysicsSettings' sleep speeds (s); for one that sleeps it
+  /// does not matter.
+  float slow_for_s() const;
   WorldPosition position() const;
   Eigen::Vector3f linear_velocity() const;   ///< m/s
   Eigen::Vector3f angular_velocity() const;  ///< rad/s

@@ -6,13 +6,8 @@
 
 namespace aureole {
 
-BoundaryStrip::BoundaryStrip(const PartitionMap& map, RegionId self, double depth_m)
-    : depth_m_(depth_m), inner_(map.area(self)) {
-  inner_.min_x += depth_m;
-  inner_.min_z += depth_m;
-  inner_.max_x -= depth_m;
-  inner_.max_z -= depth_m;
-}
+BoundaryStrip::BoundaryStrip(const PartitionMap& map, RegionId self)
+    : area_(map.area(self)), inner_(area_) {}
 
 std::int64_t BoundaryStrip::column(double x) const {
   return static_cast<std::int64_t>(std::floor((x - low_x_) / square_m));
@@ -21,7 +16,9 @@ std::int64_t BoundaryStrip::row(double z) const {
   return static_cast<std::int64_t>(std::floor((z - low_z_) / square_m));
 }
 
-void BoundaryStrip::note(std::span<const RemoteAura> remote) {
+void BoundaryStrip::note(std::span<const RemoteAura> remote, double depth_m) {
+  inner_ = {area_.min_x + depth_m, area_.min_z + depth_m, area_.max_x - depth_m,
+            area_.max_z - depth_m};
   visited_ = false;
   double high_x = 0, high_z = 0;
   const auto reaches_in = [&](const AuraBox& box, double x, double z) {
@@ -30,7 +27,7 @@ void BoundaryStrip::note(std::span<const RemoteAura> remote) {
   };
   const auto around = [&](const RemoteAura& aura) {
     const AuraBox box = aura.room.box();
-    return std::pair(box.half.x() + depth_m_, box.half.z() + depth_m_);
+    return std::pair(box.half.x() + depth_m, box.half.z() + depth_m);
   };
   for (const RemoteAura& aura : remote) {
     const auto [x, z] = around(aura);
@@ -62,9 +59,28 @@ void BoundaryStrip::note(std::span<const RemoteAura> remote) {
   }
 }
 
-bool BoundaryStrip::is_marked(const WorldPosition& at) const {
+bool BoundaryStrip::shows(const AuraBox& room) const {
+  const bool all_is_strip = !(inner_.min_x < inner_.max_x && inner_.min_z < inner_.max_z);
+  if (all_is_strip) return true;
+  const double low_x = std::max(room.centre.x() - room.half.x(), inner_.min_x);
+  const double low_z = std::max(room.centre.z() - room.half.z(), inner_.min_z);
+  const double high_x = std::min(room.centre.x() + room.half.x(), inner_.max_x);
+  const double high_z = std::min(room.centre.z() + room.half.z(), inner_.max_z);
+  if (!(low_x < high_x && low_z < high_z)) return true;
+  if (!visited_) return false;
   if (marked_.empty()) return true;
-  const std::int64_t c = column(at.x), r = row(at.z);
+  // What is wider than all that is marked is not shown as a whole.
+  if (high_x - low_x > square_m * static_cast<double>(columns_) ||
+      high_z - low_z > square_m * static_cast<double>(rows_))
+    return false;
+  for (std::int64_t r = row(low_z); r <= row(high_z); ++r)
+    for (std::int64_t c = column(low_x); c <= column(high_x); ++c)
+      if (!is_marked(c, r)) return false;
+  return true;
+}
+
+bool BoundaryStrip::is_marked(std::int64_t c, std::int64_t r) const {
+  if (marked_.empty()) return true;
   return c >= 0 && c < columns_ && r >= 0 && r < rows_ &&
          marked_[static_cast<std::size_t>(r * columns_ + c)];
 }

@@ -13,29 +13,30 @@ namespace aureole {
 /// Everything outside the region, and what is less than `depth_m` from its boundary or from an aura
 /// that another server projects: whatever happens elsewhere comes to nobody's notice before this
 /// strip is looked at again. Found in a constant time for each body.
-class BoundaryStrip {
+class BoundaryStrip final : public View {
  public:
-  BoundaryStrip(const PartitionMap& map, RegionId self, double depth_m);
+  BoundaryStrip(const PartitionMap& map, RegionId self);
 
-  /// Once a tick: where others have something inside our region.
-  void note(std::span<const RemoteAura> remote);
+  /// Once a tick: where others have something inside our region, and how deep the strip is now.
+  void note(std::span<const RemoteAura> remote, double depth_m);
 
   bool holds(const WorldPosition& at) const {
     if (!(at.x >= inner_.min_x && at.x < inner_.max_x && at.z >= inner_.min_z &&
           at.z < inner_.max_z))
       return true;
-    return visited_ && is_marked(at);
+    return visited_ && is_marked(column(at.x), row(at.z));
   }
+  bool shows(const AuraBox& room) const override;
 
  private:
   /// Edge of a square that is marked as a whole (unit: m).
   static constexpr double square_m = 8;
   static constexpr std::int64_t side_max = 512;
-  bool is_marked(const WorldPosition& at) const;
+  bool is_marked(std::int64_t column, std::int64_t row) const;
   std::int64_t column(double x) const;
   std::int64_t row(double z) const;
 
-  double depth_m_;
+  Rectangle area_;
   Rectangle inner_;  ///< Without the strip along the boundary.
   bool visited_ = false;
   double low_x_ = 0, low_z_ = 0;

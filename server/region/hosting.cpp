@@ -81,13 +81,14 @@ void Hosting::remove(std::span<const BodyId> ids) {
 }
 
 void Hosting::begin_look(Tick now) {
-  look_before_ = std::exchange(last_look_, now);
+  if (now != last_look_) look_before_ = std::exchange(last_look_, now);
 }
 
-void Hosting::look(HostedBody& body, Tick now) {
+void Hosting::look(HostedBody& body, Tick now, float slow_for_s) {
   Record& record = records_.at(body.id);
   if (record.looked_at < look_before_ || !record.moved)
-    record.moved = body.asleep ? never_changed : now;
+    record.moved =
+        body.asleep ? never_changed : now - static_cast<std::int64_t>(slow_for_s / tick_s);
   if (body.motion_speed_mps >= still_speed_mps) record.moved = now;
   record.looked_at = now;
   body.still_ticks = clamped_ticks(now - *record.moved, still_ticks_max);

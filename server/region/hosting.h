@@ -39,12 +39,12 @@ class Hosting {
   std::uint32_t epoch(BodyId id) const { return records_.at(id).epoch; }
   Tick changed_owner(BodyId id) const { return records_.at(id).changed_owner; }
   Version version(BodyId id) const { return {epoch(id), incarnation_, self_}; }
-  /// Call before looking at bodies, once in each tick that any is looked at; from the last such
-  /// tick on all that were not looked at have been asleep, or have moved for all that is known.
+  /// Call before looking at bodies in each tick that any is looked at.
   void begin_look(Tick now);
   /// Call for each body that is looked at, with its id, surface speed and whether it sleeps: fills
-  /// in for how many ticks it has been still and when its owner changed.
-  void look(HostedBody& body, Tick now);
+  /// in for how many ticks it has been still and when its owner changed. Of one that was not looked
+  /// at in the last such tick nothing is known but for how long it has been slow.
+  void look(HostedBody& body, Tick now, float slow_for_s);
   std::uint8_t still_ticks(BodyId id, Tick now) const;
   bool lies_still(BodyId id, Tick now) const { return still_ticks(id, now) >= resting_ticks; }
 

@@ -35,7 +35,7 @@ RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation 
       players_(world, map_, self, hosting_),
       stand_ins_(hosting_.physics()),
       nearby_geometry_(hosting_.statics()),
-      strip_(map_, self_, policy_->depth_m()),
+      strip_(map_, self_),
       injected_(world.injectors.size(), 0),
       tolerances_(world.tolerances, self, world.regions.size()) {
   AUREOLE_CHECK(self.value < world.regions.size(), "a core is one of its world's regions");

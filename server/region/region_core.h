@@ -63,6 +63,7 @@ struct RegionStatistics {
   std::uint64_t late_effects = 0;    ///< Blasts that came after their tick.
   std::uint64_t catch_up_steps = 0;  ///< Steps made up for groups that came late.
   std::uint64_t refused_bodies = 0;  ///< Not made because the world is full.
+  std::uint64_t whole_looks = 0;     ///< Decisions that the boundary strip was not enough for.
   std::uint64_t unacknowledged = 0;  ///< Messages in the journals.
   std::uint64_t stand_ins = 0;       ///< Resting bodies of others that ours can lean on.
   /// Stand-ins whose load rose above its value at the cut by more than mass × 0.15 m/s:
@@ -175,7 +176,9 @@ class RegionCore {
   void remove_strays(Tick now);
   void migrate(Tick now);
   HostedBody hosted_body(const BodyGlance& seen, Tick now);
-  std::vector<HostedBody> hosted_bodies(Tick now);
+  enum class Shown { strip, everything };
+  std::vector<HostedBody> hosted_bodies(Tick now, Shown shown);
+  MigrationDecision decide(Tick now);
   void foresee_deeds(std::vector<HostedBody>& hosted, Tick now);
   void watch_stand_ins(Tick now);
   Hosting::Cut cut() const;

@@ -112,21 +112,21 @@ HostedBody RegionCore::hosted_body(const BodyGlance& seen, Tick now) {
   body.mass_kg = definition.mass_kg;
   body.restitution = definition.restitution;
   body.round = std::holds_alternative<SphereShape>(definition.shape);
-  hosting_.look(body, now);
+  hosting_.look(body, now, seen.slow_for_s());
   body.pressed = stand_in_watch_.is_pressed(body.id, now);
   if (body.still_ticks == 0) nearby_geometry_.look(body, reach_time_s(tolerances_.limits()));
   return body;
 }
 
-/// Everything that decisions may depend on; see BoundaryStrip.
-std::vector<HostedBody> RegionCore::hosted_bodies(Tick now) {
+/// What decisions may depend on; see BoundaryStrip.
+std::vector<HostedBody> RegionCore::hosted_bodies(Tick now, Shown shown) {
   std::vector<BodyId> wanted;
   for (const HandoverRequest& request : handover_requests_) wanted.push_back(request.body);
-  strip_.note(remote_auras_);
+  strip_.note(remote_auras_, policy_->depth_m());
   hosting_.begin_look(now);
   std::vector<HostedBody> hosted;
   hosting_.physics().for_each([&](const BodyGlance& seen) {
-    if (strip_.holds(seen.position()) ||
+    if (shown == Shown::everything || strip_.holds(seen.position()) ||
         std::binary_search(wanted.begin(), wanted.end(), seen.id()))
       hosted.push_back(hosted_body(seen, now));
   });
@@ -152,6 +152,23 @@ Hosting::Cut RegionCore::cut() const {
   return world_.mode == MigrationMode::adaptive ? Hosting::Cut::at_rest : Hosting::Cut::nowhere;
 }
 
+MigrationDecision RegionCore::decide(Tick now) {
+  std::vector<bool> linked;
+  for (std::size_t i = 0; i < map_.size(); ++i)
+    linked.push_back(is_up(RegionId{static_cast<std::uint16_t>(i)}) && !waits_for_auras(now));
+  MigrationDecision decision;
+  for (const Shown shown : {Shown::strip, Shown::everything}) {
+    const std::vector<HostedBody> hosted = hosted_bodies(now, shown);
+    const Touching contacts(hosting_.physics(), hosted);
+    decision = policy_->decide({now, self_, map_, hosted, remote_auras_, handover_requests_, linked,
+                                &contacts, shown == Shown::strip ? &strip_ : nullptr});
+    if (!decision.sees_too_little) break;
+    ++extra_.whole_looks;
+  }
+  handover_requests_.clear();
+  return decision;
+}
+
 void RegionCore::migrate(Tick now) {
   // Most of a world sleeps most of the time; what was decided then still holds.
   if (nothing_stirs(now)) return;
@@ -159,14 +176,7 @@ void RegionCore::migrate(Tick now) {
   for (const RemoteAura& aura : aura_exchange_.remote())
     // What is said of a body that has come to us since is out of date.
     if (!hosting_.hosts(aura.id)) remote_auras_.push_back(aura);
-  const std::vector<HostedBody> hosted = hosted_bodies(now);
-  std::vector<bool> linked;
-  for (std::size_t i = 0; i < map_.size(); ++i)
-    linked.push_back(is_up(RegionId{static_cast<std::uint16_t>(i)}) && !waits_for_auras(now));
-  const Touching contacts(hosting_.physics(), hosted);
-  const MigrationDecision decision = policy_->decide(
-      {now, self_, map_, hosted, remote_auras_, handover_requests_, linked, &contacts});
-  handover_requests_.clear();
+  const MigrationDecision decision = decide(now);
   enter(StepProfile::Part::aura);
   for (const Migration& migration : decision.leaving)
     handed_over_.insert(migration.bodies.begin(), migration.bodies.end());

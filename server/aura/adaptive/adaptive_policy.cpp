@@ -28,21 +28,29 @@ namespace {
 constexpr double audience_room = 1.5;
 
 /// Nothing that happens farther away than this from the boundary and from others' bodies matters
-/// there within the reach time (m). A blow through touching bodies is the fastest thing there is: a
+/// there within the reach time (m), but that clusters may reach further. A blow through touching bodies is the fastest thing there is: a
 /// ball into a row of ten moves six of them, 3.6 m, in its first step and all ten within five.
 constexpr double strip_m = 12;
 
 /// Going home is never urgent.
 constexpr std::int64_t homecoming_interval_ticks = 4;
 
+/// How far from its body an aura reaches within the tolerances, 1 m of body included.
+double longest_aura_m(const AuraTolerances& tolerances) {
+  return tolerances.speed_mps * reach_time_s(tolerances) + 1;
+}
+
 class AdaptivePolicy final : public MigrationPolicy {
  public:
   explicit AdaptivePolicy(const AuraTolerances& tolerances)
-      : outlook_(reach_time_s(tolerances)), contests_(tolerances) {}
+      : longest_aura_m_(longest_aura_m(tolerances)),
+        outlook_(reach_time_s(tolerances)),
+        contests_(tolerances) {}
 
-  double depth_m() const override { return strip_m; }
+  double depth_m() const override { return std::max(strip_m, 2 * longest_aura_m_); }
 
   void set_tolerances(const AuraTolerances& tolerances) override {
+    longest_aura_m_ = longest_aura_m(tolerances);
     outlook_.set_reach(reach_time_s(tolerances));
     contests_.set_tolerances(tolerances);
   }
@@ -52,6 +60,11 @@ class AdaptivePolicy final : public MigrationPolicy {
     clusters_.begin(s, outlook_);
     homecoming_.note_unrest(s, outlook_);
     contests_.find(s, outlook_, clusters_);
+    if (!sees_enough(s)) {
+      MigrationDecision nothing;
+      nothing.sees_too_little = true;
+      return nothing;
+    }
     Leaving leaving;
     Pulls pulls;
     answer_requests(s, leaving);
@@ -80,6 +93,22 @@ class AdaptivePolicy final : public MigrationPolicy {
  private:
   using Pulls = std::map<std::pair<RegionId, RegionId>, std::set<BodyId>>;
   using Leaving = std::map<RegionId, std::vector<BodyId>>;
+
+  /// Whether clusters that may have to go are all shown. Those that go home are: they are outside
+  /// of the region.
+  bool sees_enough(const MigrationSituation& s) {
+    if (s.view == nullptr) return true;
+    for (const HandoverRequest& request : s.requested)
+      if (const auto body = index_of(s.hosted, request.body)) clusters_.of(*body);
+    // So far only of what is asked for or meets others' auras is the cluster known.
+    for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
+      if (!clusters_.known(i)) continue;
+      AuraBox reach = outlook_.box(i);
+      reach.half.array() += longest_aura_m_;
+      if (!s.view->shows(reach)) return false;
+    }
+    return true;
+  }
 
   void send(const MigrationSituation& s, Clusters::Number cluster, RegionId to, Leaving& leaving) {
     if (clusters_.sent(cluster) || to == s.self || !s.linked[to.value]) return;
@@ -130,6 +159,7 @@ class AdaptivePolicy final : public MigrationPolicy {
     }
   }
 
+  double longest_aura_m_;
   Outlook outlook_;
   Clusters clusters_;
   Contests contests_;
