@@ -28,8 +28,9 @@ namespace {
 constexpr double audience_room = 1.5;
 
 /// Nothing that happens farther away than this from the boundary and from others' bodies matters
-/// there within the reach time (m), but that clusters may reach further. A blow through touching bodies is the fastest thing there is: a
-/// ball into a row of ten moves six of them, 3.6 m, in its first step and all ten within five.
+/// there within the reach time (m), but that clusters may reach further. A blow through touching
+/// bodies is the fastest thing there is: a ball into a row of ten moves six of them, 3.6 m, in its
+/// first step and all ten within five.
 constexpr double strip_m = 12;
 
 /// Going home is never urgent.

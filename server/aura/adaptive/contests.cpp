@@ -20,8 +20,8 @@ constexpr Surroundings far_around{8.0, 1.0};
 
 /// What is given to a higher number may have to come down again: where a third server is so near,
 /// all go to the lower one; who has changed its owner within the last second does so sooner.
-constexpr Surroundings up_near{8.0, 1.0};
-constexpr Surroundings up_near_again{24.0, 1.0};
+constexpr Surroundings up_near{8.0, 1.0, true};
+constexpr Surroundings up_near_again{32.0, 1.0, true};
 
 /// Hosts of auras are told of what lies so near to them (m), and as far as their bodies can get in
 /// the reach time: auras grow in one step when something comes in the way of a body, and the
@@ -109,9 +109,9 @@ std::uint8_t Contests::changes_of(Clusters::Number cluster) const {
 }
 
 /// Servers whose region, or anything of whom, is near the box; ours left out.
-void Contests::add_around(const AuraBox& box, double clearance_m, RegionSet& around) const {
+void Contests::add_around(const AuraBox& box, const Surroundings& look, RegionSet& around) const {
   AuraBox wide = box;
-  wide.half.array() += clearance_m;
+  wide.half.array() += look.clearance_m;
   const double low_x = wide.centre.x() - wide.half.x(), high_x = wide.centre.x() + wide.half.x();
   const double low_z = wide.centre.z() - wide.half.z(), high_z = wide.centre.z() + wide.half.z();
   const Rectangle& home = situation_->map.area(situation_->self);
@@ -119,7 +119,7 @@ void Contests::add_around(const AuraBox& box, double clearance_m, RegionSet& aro
       low_x >= home.min_x && high_x < home.max_x && low_z >= home.min_z && high_z < home.max_z;
   if (!inside)
     for (std::uint16_t k = 0; k < situation_->map.size(); ++k)
-      if (situation_->linked[k] &&
+      if ((look.away_too || situation_->linked[k]) &&
           situation_->map.area(RegionId{k}).overlaps(low_x, low_z, high_x, high_z))
         around.add(RegionId{k});
   if (outlook_->near_others(wide)) {
@@ -127,7 +127,7 @@ void Contests::add_around(const AuraBox& box, double clearance_m, RegionSet& aro
     outlook_->remote_grid().find(wide, found);
     for (const std::uint32_t other : found) {
       const RegionId host = situation_->remote[other].host;
-      if (situation_->linked[host.value]) around.add(host);
+      if (look.away_too || situation_->linked[host.value]) around.add(host);
     }
   }
   around.remove(situation_->self);
@@ -139,7 +139,7 @@ void Contests::add_around(Clusters::Number cluster, const Surroundings& look,
     AuraBox box = outlook_->box(member);
     if (!outlook_->rests(member))
       box = joined(box, way_of(situation_->hosted[member], look.onward_s));
-    add_around(box, look.clearance_m, around);
+    add_around(box, look, around);
   }
 }
 
@@ -301,7 +301,7 @@ std::vector<Contests::Verdict> Contests::verdicts() {
       others.add(aura->host);
       crowded = crowded || aura->company.crowded;
       const bool moved = aura->company.changes > 0;
-      add_around(aura->room.box(), moved ? far_around.clearance_m : near_by.clearance_m, others);
+      add_around(aura->room.box(), moved ? far_around : near_by, others);
     }
     const RegionId lowest = others.lowest();
     RegionSet third = others;

@@ -37,8 +37,9 @@ class Contests {
 
   /// What counts as near to a cluster.
   struct Surroundings {
-    double clearance_m;  ///< Around its auras, and around its members' ways …
-    double onward_s;     ///< … of so long.
+    double clearance_m;     ///< Around its auras, and around its members' ways …
+    double onward_s;        ///< … of so long.
+    bool away_too = false;  ///< Servers that are away may be back by then: they count as well.
   };
   struct Verdict {
     std::vector<Clusters::Number> clusters;  ///< Ours that meet, directly or through others'.
@@ -76,7 +77,7 @@ class Contests {
   void remember(const Contest& contest, RegionId to);
   std::optional<RegionId> settled_host(const Contest& contest) const;
   bool meets_a_third_soon(const Contest& contest, RegionId other) const;
-  void add_around(const AuraBox& box, double clearance_m, RegionSet& around) const;
+  void add_around(const AuraBox& box, const Surroundings& look, RegionSet& around) const;
   void add_around(Clusters::Number cluster, const Surroundings& look, RegionSet& around) const;
   const RegionSet& around(Clusters::Number cluster);
 

@@ -70,6 +70,18 @@ class Row final : public ContactSource {
   std::vector<std::vector<std::uint32_t>> partners_;
 };
 
+/// Everything to the right of `from_x` is shown.
+class RightPart final : public View {
+ public:
+  explicit RightPart(double from_x) : from_x_(from_x) {}
+  bool shows(const AuraBox& room) const override {
+    return room.centre.x() - room.half.x() >= from_x_;
+  }
+
+ private:
+  double from_x_;
+};
+
 struct Scene {
   PartitionMap map = columns(2);
   std::uint16_t self = 0;
@@ -78,9 +90,11 @@ struct Scene {
   std::vector<HandoverRequest> requested;
   std::vector<bool> linked = std::vector<bool>(16, true);
   const ContactSource* contacts = nullptr;
+  const View* view = nullptr;
 
   MigrationDecision decide(MigrationPolicy& policy, Tick now) const {
-    return policy.decide({now, RegionId{self}, map, hosted, remote, requested, linked, contacts});
+    return policy.decide(
+        {now, RegionId{self}, map, hosted, remote, requested, linked, contacts, view});
   }
   MigrationDecision decide() const {
     return decide(*make_adaptive_policy(AuraTolerances{}), Tick{0});

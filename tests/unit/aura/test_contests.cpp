@@ -105,7 +105,7 @@ TEST_CASE("a request by the server that has just handed the cluster over is out 
   scene.self = 1;
   scene.hosted = {asleep_at(0, 10.6)};
   scene.hosted[0].came_from = RegionId{1};
-  scene.requested = {{name(0), RegionId{0}}};
+  scene.requested = {{name(0), RegionId{0}, RegionId{0}}};
   REQUIRE(scene.decide().leaving.size() == 1);
   scene.hosted[0].changed_owner = Tick{-3};
   REQUIRE(scene.decide().leaving.size() == 1);
@@ -114,6 +114,60 @@ TEST_CASE("a request by the server that has just handed the cluster over is out 
   REQUIRE(scene.decide().leaving.size() == 1);
   scene.hosted[0].changed_owner = Tick{-3};
   REQUIRE(scene.decide().leaving.empty());
+}
+
+TEST_CASE("nothing is decided about a cluster that may reach beyond what is shown") {
+  const RightPart near(2), far(-20);
+  const AuraTolerances slow{.speed_mps = 10};
+  for (const bool asked : {false, true}) {
+    Scene scene;
+    scene.self = asked ? 1 : 0;
+    for (int n = 0; n < 9; ++n) scene.hosted.push_back(awake_at(n, 9.9 - 0.75 * n));
+    if (asked)
+      scene.requested = {{name(0), RegionId{0}, RegionId{0}}};
+    else
+      scene.remote = {aura(20, 1, false, 10.3)};
+    const auto decided_with = [&](const View* view) {
+      scene.view = view;
+      return scene.decide(*make_adaptive_policy(slow), Tick{0});
+    };
+    const MigrationDecision narrow = decided_with(&near);
+    CHECK(narrow.sees_too_little);
+    CHECK(narrow.leaving.empty());
+    CHECK(narrow.pulls.empty());
+    for (const View* view : {static_cast<const View*>(&far), static_cast<const View*>(nullptr)}) {
+      const MigrationDecision wide = decided_with(view);
+      CHECK_FALSE(wide.sees_too_little);
+      if (asked) {
+        REQUIRE(wide.leaving.size() == 1);
+        CHECK(wide.leaving[0].bodies.size() == 9);
+      } else {
+        CHECK(wide.pulls.size() == 1);
+      }
+    }
+    // Whoever meets nobody need not be seen whole.
+    scene.requested.clear();
+    scene.remote.clear();
+    CHECK_FALSE(decided_with(&near).sees_too_little);
+  }
+}
+
+TEST_CASE("who has changed its owner does not go up where a third server may soon be near") {
+  Scene scene;
+  scene.map = PartitionMap({{-inf, -inf, 0, inf}, {0, -inf, 20, inf}, {20, -inf, inf, inf}});
+  scene.self = 1;
+  scene.hosted = {awake_at(0, 19.9)};
+  scene.remote = {aura(1, 2, false, 20.3)};
+  for (const bool away : {false, true}) {
+    scene.linked[0] = !away;
+    scene.hosted[0].changed_owner = Tick{-1000};
+    scene.remote[0].company.changes = 0;
+    REQUIRE(scene.decide().leaving.size() == 1);
+    scene.hosted[0].changed_owner = Tick{-10};
+    scene.remote[0].company.changes = 1;
+    REQUIRE(scene.decide().leaving.empty());
+    REQUIRE(scene.decide().pulls.size() == 1);
+  }
 }
 
 TEST_CASE("nothing is given to a higher number where a third server is near") {

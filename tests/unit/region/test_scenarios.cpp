@@ -269,6 +269,31 @@ TEST_CASE("a chain of ten bodies across three regions passes a blow on as on one
     }
 }
 
+TEST_CASE("a chain that reaches deep into its region changes servers whole") {
+  WorldDefinition world = figure_1(MigrationMode::adaptive);
+  const float pace = 3.0f;
+  // Each is in its neighbours' auras, and the first one meets somebody at the corner.
+  std::vector<BodyId> chain;
+  for (int i = 0; i < 40; ++i)
+    chain.push_back(put_on(world, 1, {1 + 0.7 * i, 0.3, -1 - 0.7 * i}, {-pace, 0, 0}));
+  put_on(world, 0, {-1.5, 0.3, -1}, {pace, 0, 0});
+  RegionCluster cluster(world, 1);
+  std::size_t torn = 0, arrived = 0;
+  for (int step = 0; step < 20; ++step) {
+    cluster.step();
+    arrived = 0;
+    for (std::size_t i = 0; i < chain.size(); ++i) {
+      const auto here = cluster.owner(chain[i]);
+      arrived += here == 0 ? 1 : 0;
+      const auto before = i > 0 ? cluster.owner(chain[i - 1]) : here;
+      torn += here && before && here != before ? 1 : 0;
+    }
+    if (arrived > 0) break;
+  }
+  CHECK(arrived == chain.size());
+  CHECK(torn == 0);
+}
+
 TEST_CASE("a body thrown exactly through a four-way corner flies as on one server") {
   for (const int delay : {0, 1})
     for (const auto mode : projecting) {
