@@ -45,8 +45,7 @@ Simulation::Simulation(Scenario scenario, const SimulationOptions& options)
   const auto regions = static_cast<int>(scenario_.world.regions.size());
   faults_until_us_ = static_cast<Micros>(faults_share * options.scenario.seconds * 1e6);
   faults_ = plan_faults({options.faults, regions, faults_until_us_, options.scenario.seed});
-  struck_.assign(scenario_.world.regions.size(), 0);
-  events_ = struck_;
+  events_.assign(scenario_.world.regions.size(), 0);
   servers_.reserve(scenario_.world.regions.size());
   for (std::uint16_t r = 0; r < regions; ++r)
     servers_.emplace_back(scenario_.world, RegionId{r}, options.scenario.seed, options.pace);
@@ -120,7 +119,7 @@ void Simulation::begin_faults(Micros now) {
     }
     SimulatedServer& server = servers_[static_cast<std::size_t>(who)];
     server.start(network_, now);
-    struck_[static_cast<std::size_t>(who)] = events_[static_cast<std::size_t>(who)] = 0;
+    events_[static_cast<std::size_t>(who)] = 0;
   }
   for (; next_fault_ < faults_.size() && faults_[next_fault_].at_us <= now; ++next_fault_)
     inject(faults_[next_fault_], now);
@@ -175,11 +174,9 @@ void Simulation::after_step(SimulatedServer& server, const SimulatedServer::Step
     tolerances_.server_outside(self, step.tick + late_us / tick_us);
   tolerances_.take(self, core.tolerance_events());
 
+  for (const StandInWatch::Struck& struck : core.stand_in_watch().struck_now())
+    if (struck.tick == step.tick) interactions_.stand_in_struck(self, struck);
   const RegionStatistics statistics = core.statistics();
-  std::uint64_t& struck = struck_[self.value];
-  if (statistics.struck_stand_ins > struck)
-    interactions_.stand_ins_struck(self, step.tick, statistics.struck_stand_ins - struck);
-  struck = statistics.struck_stand_ins;
   std::uint64_t& events = events_[self.value];
   if (statistics.tolerance_events > events)
     result_.tolerance_events += statistics.tolerance_events - events;

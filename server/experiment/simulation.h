@@ -93,8 +93,8 @@ class Simulation {
   OwnershipOracle ownership_;
   InteractionOracle interactions_;
   HandoffShadow shadow_;
-  std::vector<SeenBody> seen_;                  ///< At the tick that was looked at last.
-  std::vector<std::uint64_t> struck_, events_;  ///< Of each server's present core.
+  std::vector<SeenBody> seen_;         ///< At the tick that was looked at last.
+  std::vector<std::uint64_t> events_;  ///< Of each server's present core.
   SeedResult result_;
   Tick stirred_;  ///< When anything was last awake, from the end of the run on.
   Tick now_;

@@ -226,6 +226,11 @@ void Hosting::claim(std::span<const HandoffGroup::Body> bodies, Tick now) {
                      Record{body.epoch, now, now - body.still_ticks, never_changed, self_});
   }
   physics_.add(claimed);
+  // Their contacts died with their owner; a sleeper's would not be looked for before it wakes.
+  std::vector<BodyId> sleepers;
+  for (const NewBody& body : claimed)
+    if (body.state.activation == Activation::asleep) sleepers.push_back(body.id);
+  physics_.find_contacts(sleepers);
   for (const NewBody& body : claimed) publisher_.body_gained(body.id, version(body.id));
   counts_.recovered += claimed.size();
 }

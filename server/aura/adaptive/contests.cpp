@@ -16,7 +16,7 @@ using Surroundings = Contests::Surroundings;
 constexpr Surroundings near_by{1.0, 0.5};
 /// Who has changed its owner within the last second goes as far as it may have to at once: it must
 /// not change it more than twice.
-constexpr Surroundings far_around{8.0, 1.0};
+constexpr Surroundings far_around{16.0, 1.0};
 
 /// What is given to a higher number may have to come down again: where a third server is so near,
 /// all go to the lower one; who has changed its owner within the last second does so sooner.
@@ -97,14 +97,16 @@ void Contests::look_ahead() {
   }
 }
 
+std::uint8_t Contests::changes_of(const HostedBody& body) const {
+  const bool once = situation_->now - body.changed_owner < long_stay_ticks;
+  const bool twice = situation_->now - body.changed_owner_before < long_stay_ticks;
+  return twice ? 2 : once ? 1 : 0;
+}
+
 std::uint8_t Contests::changes_of(Clusters::Number cluster) const {
   std::uint8_t most = 0;
-  for (const std::uint32_t member : clusters_->members(cluster)) {
-    const HostedBody& body = situation_->hosted[member];
-    const bool once = situation_->now - body.changed_owner < long_stay_ticks;
-    const bool twice = situation_->now - body.changed_owner_before < long_stay_ticks;
-    most = std::max<std::uint8_t>(most, twice ? 2 : once ? 1 : 0);
-  }
+  for (const std::uint32_t member : clusters_->members(cluster))
+    most = std::max(most, changes_of(situation_->hosted[member]));
   return most;
 }
 
@@ -170,11 +172,12 @@ const Company& Contests::company_of(std::uint32_t body) {
   return company;
 }
 
-bool Contests::has_just_come(Clusters::Number cluster, RegionId from) const {
+bool Contests::is_overtaken(Clusters::Number cluster, RegionId asker) const {
   const auto members = clusters_->members(cluster);
   return std::any_of(members.begin(), members.end(), [&](std::uint32_t member) {
     const HostedBody& body = situation_->hosted[member];
-    return body.came_from == from && situation_->now - body.changed_owner < round_trip_ticks_;
+    return situation_->now - body.changed_owner < round_trip_ticks_ &&
+           (body.came_from == asker || changes_of(body) == Company::changes_max);
   });
 }
 
@@ -222,7 +225,7 @@ RegionId Contests::arbitrate(const Contest& contest, RegionId other) const {
   std::optional<RegionId> given;
   const auto note_given = [&](BodyId id) {
     const auto at = given_.find(id);
-    // Up wins: what we asked for stays where what we gave has come to it (has_just_come()).
+    // Up wins: what we asked for stays where what we gave has come to it (is_overtaken()).
     if (at == given_.end() || (at->second.to != self && at->second.to != other)) return;
     given = given ? std::max(*given, at->second.to) : at->second.to;
   };

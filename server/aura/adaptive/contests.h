@@ -52,9 +52,10 @@ class Contests {
   /// The lowest server that has anything near a cluster, or on its way, if lower than ours.
   RegionId lowest_around(Clusters::Number cluster);
 
-  /// Whether a body of a cluster has just been handed over by a server: what that one asks of the
-  /// cluster, it asked before it knew of them together. It will ask again.
-  bool has_just_come(Clusters::Number cluster, RegionId from) const;
+  /// Whether a server that asks for the cluster cannot have known what has come to it meanwhile: of
+  /// its own bodies, or such as have changed their owner as often as they should. It will ask
+  /// again, or send its side here.
+  bool is_overtaken(Clusters::Number cluster, RegionId asker) const;
 
   /// Whether a body must be brought together with somebody else's.
   const std::vector<bool>& contested() const { return contested_; }
@@ -72,6 +73,7 @@ class Contests {
   };
   void look_ahead();
   std::vector<Contest> joined_contests() const;
+  std::uint8_t changes_of(const HostedBody& body) const;
   std::uint8_t changes_of(Clusters::Number cluster) const;
   RegionId arbitrate(const Contest& contest, RegionId other) const;
   void remember(const Contest& contest, RegionId to);

@@ -150,19 +150,26 @@ bool InteractionOracle::is_excused(Tick tick, const SeenBody& a, const SeenBody&
 
 bool InteractionOracle::is_newborn(BodyId id, Tick tick) const {
   const auto born = ownership_.born(id);
-  const bool comes_unannounced =
-      id.kind() == BodyId::Kind::injected || id.kind() == BodyId::Kind::world;
-  return born && comes_unannounced && tick - *born <= tolerances_.flight_ticks();
+  // What players throw has been expected of their avatars.
+  const bool comes_unannounced = id.kind() != BodyId::Kind::thrown;
+  // One that nobody has seen at the end of a tick is born in this one.
+  return comes_unannounced && (!born || tick - *born <= tolerances_.flight_ticks());
 }
 
-void InteractionOracle::stand_ins_struck(RegionId region, Tick tick, std::uint64_t count) {
-  struck_ += count;
-  missed_ += count;
-  if (tolerances_.excuses(tolerances_.anything_at(region), tick)) return;
-  missed_in_tolerance_ += count;
+void InteractionOracle::stand_in_struck(RegionId region, const StandInWatch::Struck& struck) {
+  if (is_newborn(struck.body, struck.tick) || is_newborn(struck.stand_in, struck.tick)) {
+    ++at_birth_;
+    return;
+  }
+  ++struck_;
+  ++missed_;
+  if (tolerances_.excuses(tolerances_.anything_at(region), struck.tick)) return;
+  ++missed_in_tolerance_;
   if (violations_.size() < told_max)
-    violations_.push_back({"missed", tick.value,
-                           fmt::format("{} stand-ins on r{} were struck", count, region.value)});
+    violations_.push_back(
+        {"missed", struck.tick.value,
+         fmt::format("{} on r{} struck the stand-in of {} with {:.2f} m/s", describe(struck.body),
+                     region.value, describe(struck.stand_in), struck.rise_mps)});
 }
 
 void InteractionOracle::report(SeedResult& result) const {

@@ -11,6 +11,7 @@
 #include "server/experiment/oracles/oracle_ownership.h"
 #include "server/experiment/oracles/tolerance_record.h"
 #include "server/experiment/oracles/world_view.h"
+#include "server/region/stand_ins/stand_in_watch.h"
 
 namespace aureole {
 
@@ -24,8 +25,9 @@ namespace aureole {
 ///    by centimetres. Only what grows by more than the slop after the cut counts.
 ///  - Passing between two ticks where Bullet, given both bodies, would not have seen them touch
 ///    either (fast small bodies tunnel on one server too): each case is tried out.
-///  - An overlap that begins within T_T of an injector's making one of the two: nobody can have
-///    heard of it. Counted apart, as `missed_at_birth`.
+///  - An overlap that begins, or a stand-in that is struck, within T_T of the birth of one of the
+///    two, by an injector or as a player's avatar: nobody can have heard of it. Counted apart, as
+///    `missed_at_birth`.
 class InteractionOracle {
  public:
   InteractionOracle(const WorldDefinition& world, const ToleranceRecord& tolerances,
@@ -33,8 +35,8 @@ class InteractionOracle {
 
   /// Once for each tick, ascending, with all bodies at that tick.
   void look(Tick tick, const std::vector<SeenBody>& bodies);
-  /// A core has counted so many more struck stand-ins in this step.
-  void stand_ins_struck(RegionId region, Tick tick, std::uint64_t count);
+  /// Seen by a region's own watch.
+  void stand_in_struck(RegionId region, const StandInWatch::Struck& struck);
 
   void report(SeedResult& result) const;
   std::uint64_t missed() const { return missed_; }

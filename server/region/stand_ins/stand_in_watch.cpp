@@ -30,7 +30,7 @@ void StandInWatch::judge(const StandInLoad& load, Tick now, bool still, double m
   if (rise_mps <= missed_mps || pair.struck) return;
   pair.struck = true;
   ++struck_;
-  last_struck_ = {load.stand_in, load.body, now, rise_mps};
+  struck_now_.push_back({load.stand_in, load.body, now, rise_mps});
 }
 
 void StandInWatch::forget(Tick now) {

@@ -34,6 +34,7 @@ class StandInWatch {
   template <class IsStill, class MassOf>
   void look(const PhysicsWorld& physics, Tick now, IsStill&& still, MassOf&& mass_kg) {
     loads_.clear();
+    struck_now_.clear();
     if (!physics.stand_in_ids().empty()) physics.stand_in_loads(loads_);
     for (const StandInLoad& load : loads_)
       judge(load, now, still(load.body), mass_kg(load.stand_in));
@@ -44,13 +45,13 @@ class StandInWatch {
   bool is_pressed(BodyId body, Tick now) const;
   /// Pairs that rose above the limit so far.
   std::uint64_t struck() const { return struck_; }
-  /// The last of them, for reports.
+  /// Those of the last look.
   struct Struck {
     BodyId stand_in, body;
     Tick tick;
     double rise_mps = 0;
   };
-  const Struck& last_struck() const { return last_struck_; }
+  std::span<const Struck> struck_now() const { return struck_now_; }
 
  private:
   struct Pair {
@@ -66,7 +67,7 @@ class StandInWatch {
   std::map<std::pair<BodyId, BodyId>, Pair> pairs_;
   std::map<BodyId, Tick> pressed_;  ///< Until when.
   std::uint64_t struck_ = 0;
-  Struck last_struck_;
+  std::vector<Struck> struck_now_;
 };
 
 }  // namespace aureole
