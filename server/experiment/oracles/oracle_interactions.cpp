@@ -14,6 +14,11 @@ bool moves(const SeenBody& b) {
   return b.state.activation != Activation::asleep;
 }
 
+/// What players throw has been expected of their avatars.
+bool comes_unannounced(BodyId id) {
+  return id.kind() != BodyId::Kind::thrown;
+}
+
 }  // namespace
 
 InteractionOracle::InteractionOracle(const WorldDefinition& world,
@@ -150,14 +155,13 @@ bool InteractionOracle::is_excused(Tick tick, const SeenBody& a, const SeenBody&
 
 bool InteractionOracle::is_newborn(BodyId id, Tick tick) const {
   const auto born = ownership_.born(id);
-  // What players throw has been expected of their avatars.
-  const bool comes_unannounced = id.kind() != BodyId::Kind::thrown;
-  // One that nobody has seen at the end of a tick is born in this one.
-  return comes_unannounced && (!born || tick - *born <= tolerances_.flight_ticks());
+  return comes_unannounced(id) && born && tick - *born <= tolerances_.flight_ticks();
 }
 
 void InteractionOracle::stand_in_struck(RegionId region, const StandInWatch::Struck& struck) {
-  if (is_newborn(struck.body, struck.tick) || is_newborn(struck.stand_in, struck.tick)) {
+  // One whom nobody has seen yet at the end of a tick is born in this one.
+  const bool fresh = comes_unannounced(struck.body) && !ownership_.born(struck.body);
+  if (fresh || is_newborn(struck.body, struck.tick) || is_newborn(struck.stand_in, struck.tick)) {
     ++at_birth_;
     return;
   }

@@ -116,6 +116,21 @@ TEST_CASE("a request by the server that has just handed the cluster over is out 
   REQUIRE(scene.decide().leaving.empty());
 }
 
+TEST_CASE("a request that knew nothing of bodies that have changed twice waits for a round trip") {
+  Scene scene;
+  scene.self = 1;
+  scene.hosted = {asleep_at(0, 10.6)};
+  scene.hosted[0].came_from = RegionId{2};
+  scene.requested = {{name(0), RegionId{0}, RegionId{0}}};
+  for (const int before : {-1000, -30})
+    for (const int last : {-30, -3}) {
+      scene.hosted[0].changed_owner = Tick{last};
+      scene.hosted[0].changed_owner_before = Tick{before};
+      INFO("changed at " << last << " and " << before);
+      REQUIRE(scene.decide().leaving.empty() == (last == -3 && before == -30));
+    }
+}
+
 TEST_CASE("nothing is decided about a cluster that may reach beyond what is shown") {
   const RightPart near(2), far(-20);
   const AuraTolerances slow{.speed_mps = 10};

@@ -98,15 +98,21 @@ TEST_CASE("an overlap that two bodies had when they were cut counts only when it
   REQUIRE(oracle.missed() == 1);
 }
 
-TEST_CASE("struck stand-ins are missed interactions") {
+TEST_CASE("struck stand-ins are missed interactions, unless the body that strikes is just born") {
   const WorldDefinition world = layout_world("column4");
   ToleranceRecord tolerances(4, world.tolerances);
   const OwnershipOracle ownership(world, 4);
   InteractionOracle oracle(world, tolerances, ownership);
-  oracle.stand_ins_struck(RegionId{0}, Tick{100}, 2);
+  const auto strike = [&](BodyId body, int tick) {
+    oracle.stand_in_struck(RegionId{0}, {BodyId::world(3), body, Tick{tick}, 0.5});
+  };
+  const BodyId thrown = BodyId::thrown(PlayerId{1}, 1);
+  strike(thrown, 100);
+  strike(BodyId::avatar(PlayerId{1}), 100);
+  strike(thrown, 100);
   REQUIRE(oracle.missed_in_tolerance() == 2);
   tolerances.link_outside(RegionId{0}, RegionId{1}, Tick{100});
-  oracle.stand_ins_struck(RegionId{0}, Tick{101}, 1);
+  strike(thrown, 101);
   REQUIRE(oracle.missed() == 3);
   REQUIRE(oracle.missed_in_tolerance() == 2);
 }
