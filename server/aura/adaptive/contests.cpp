@@ -299,11 +299,13 @@ std::vector<Contests::Verdict> Contests::verdicts() {
   for (const Contest& contest : joined_contests()) {
     RegionSet others;
     for (const Clusters::Number cluster : contest.ours) others.add(around(cluster));
-    bool crowded = false;
+    bool crowded = false, followed = false, meets_lower = false;
     for (const RemoteAura* aura : contest.meets) {
       others.add(aura->host);
       crowded = crowded || aura->company.crowded;
+      meets_lower = meets_lower || aura->host < self;
       const bool moved = aura->company.changes > 0;
+      followed = followed || moved;
       add_around(aura->room.box(), moved ? far_around : near_by, others);
     }
     const RegionId lowest = others.lowest();
@@ -311,6 +313,8 @@ std::vector<Contests::Verdict> Contests::verdicts() {
     third.remove(lowest);
     Verdict verdict{contest.ours, std::min(lowest, self), {}};
     if (crowded || !third.empty()) {
+      // Whoever has come after us once is not led on to a server that nobody meets yet.
+      if (followed && !meets_lower) verdict.to = self;
       verdict.to = settled_host(contest).value_or(verdict.to);
     } else {
       if (lowest < self) continue;  // It decides.
