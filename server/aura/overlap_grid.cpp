@@ -25,6 +25,19 @@ OverlapGrid::Cover OverlapGrid::cover_of(const AuraBox& box) const {
           cell_index(box.centre.z() + box.half.z() - origin_z_, rows_)};
 }
 
+OverlapGrid::Bounds OverlapGrid::bounds_of(const AuraBox& box) {
+  Bounds bounds{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<Eigen::Index>(axis);
+    const double low = box.centre[i] - box.half[i], high = box.centre[i] + box.half[i];
+    // More than a float is rounded by.
+    const double slack = 1e-6 * (1 + std::max(std::abs(low), std::abs(high)));
+    bounds.low[axis] = static_cast<float>(low - slack);
+    bounds.high[axis] = static_cast<float>(high + slack);
+  }
+  return bounds;
+}
+
 void OverlapGrid::build(std::span<const AuraBox> boxes) {
   boxes_ = boxes;
   large_.clear();
@@ -68,9 +81,9 @@ void OverlapGrid::build(std::span<const AuraBox> boxes) {
   for (std::uint32_t i = 0; i < covers_.size(); ++i) {
     const Cover& cover = covers_[i];
     if (cover.cells() > cells_max) continue;
-    each_cell(cover, [&](std::size_t cell) {
-      entries_[next_[cell]++] = {i, cover.low_x, cover.low_z};
-    });
+    const Entry entry{bounds_of(boxes[i]), i, static_cast<std::uint16_t>(cover.low_x),
+                      static_cast<std::uint16_t>(cover.low_z)};
+    each_cell(cover, [&](std::size_t cell) { entries_[next_[cell]++] = entry; });
   }
 }
 
@@ -82,13 +95,16 @@ void OverlapGrid::find(const AuraBox& box, std::vector<std::uint32_t>& found) co
       if (boxes_[i].overlaps(box)) found.push_back(i);
     return;
   }
+  const Bounds bounds = bounds_of(box);
   for (std::int32_t z = cover.low_z; z <= cover.high_z; ++z)
     for (std::int32_t x = cover.low_x; x <= cover.high_x; ++x) {
       const auto cell = static_cast<std::size_t>(z) * static_cast<std::size_t>(columns_) +
                         static_cast<std::size_t>(x);
       for (std::uint32_t k = start_[cell]; k < start_[cell + 1]; ++k) {
         const Entry& entry = entries_[k];
-        if (std::max(entry.low_x, cover.low_x) != x || std::max(entry.low_z, cover.low_z) != z)
+        if (!entry.bounds.meets(bounds)) continue;
+        if (std::max<std::int32_t>(entry.low_x, cover.low_x) != x ||
+            std::max<std::int32_t>(entry.low_z, cover.low_z) != z)
           continue;
         if (boxes_[entry.box].overlaps(box)) found.push_back(entry.box);
       }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -52,10 +53,21 @@ class OverlapGrid {
       return std::int64_t{high_x - low_x + 1} * std::int64_t{high_z - low_z + 1};
     }
   };
-  struct Entry {
-    std::uint32_t box;
-    std::int32_t low_x, low_z;  ///< Of its cover: a pair is found in one cell only.
+  /// Corners as floats, rounded outwards: most of what shares a cell is told apart by them, without
+  /// a look at the box itself.
+  struct Bounds {
+    std::array<float, 3> low, high;
+    bool meets(const Bounds& other) const {
+      return low[0] <= other.high[0] && other.low[0] <= high[0] && low[2] <= other.high[2] &&
+             other.low[2] <= high[2] && low[1] <= other.high[1] && other.low[1] <= high[1];
+    }
   };
+  struct Entry {
+    Bounds bounds;
+    std::uint32_t box;
+    std::uint16_t low_x, low_z;  ///< Of its cover: a pair is found in one cell only.
+  };
+  static Bounds bounds_of(const AuraBox& box);
   Cover cover_of(const AuraBox& box) const;
 
   std::span<const AuraBox> boxes_;

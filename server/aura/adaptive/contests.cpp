@@ -54,9 +54,12 @@ void Contests::find(const MigrationSituation& s, const Outlook& outlook, Cluster
   contested_.assign(s.hosted.size(), false);
   visitors_.assign(s.hosted.size(), {});
   std::erase_if(given_, [&](const auto& given) { return s.now - given.second.at > hold_ticks_; });
+  rooms_of_hosts_.assign(s.map.size(), {});
   std::vector<std::uint32_t> found;
   for (const RemoteAura& aura : s.remote) {
     AuraBox wide = aura.room.box();
+    std::optional<AuraBox>& all = rooms_of_hosts_[aura.host.value];
+    all = all ? joined(*all, wide) : wide;
     wide.half.array() += visitor_clearance_m + aura.speed_mps * reach_s_;
     found.clear();
     outlook.grid().find(wide, found);
@@ -145,11 +148,13 @@ void Contests::add_around(Clusters::Number cluster, const Surroundings& look,
   }
 }
 
+const Surroundings& Contests::looks_as(Clusters::Number cluster) const {
+  return clusters_->has_moved(cluster, long_stay_ticks) ? far_around : near_by;
+}
+
 const RegionSet& Contests::around(Clusters::Number cluster) {
   if (around_.size() <= cluster) around_.resize(clusters_->size());
-  if (!around_[cluster])
-    add_around(cluster, clusters_->has_moved(cluster, long_stay_ticks) ? far_around : near_by,
-               around_[cluster].emplace());
+  if (!around_[cluster]) add_around(cluster, looks_as(cluster), around_[cluster].emplace());
   return *around_[cluster];
 }
 
@@ -163,13 +168,43 @@ const Company& Contests::company_of(std::uint32_t body) {
   if (companies_.size() <= cluster) companies_.resize(clusters_->size());
   if (companies_[cluster]) return *companies_[cluster];
   Company& company = companies_[cluster].emplace();
-  RegionSet others = around(cluster);
   company.label = label_of(situation_->hosted[clusters_->members(cluster).front()].id);
   company.size_class = size_class_of(clusters_->members(cluster).size());
   company.changes = changes_of(cluster);
-  if (!others.empty()) others.remove(others.lowest());
-  company.crowded = !others.empty();
+  company.crowded = is_crowded(cluster);
   return company;
+}
+
+/// Whether a third server is around.
+bool Contests::is_crowded(Clusters::Number cluster) {
+  // Where at most one other is near the room that holds them all, none needs to be looked for.
+  const Surroundings& look = looks_as(cluster);
+  std::optional<AuraBox> room;
+  for (const std::uint32_t member : clusters_->members(cluster)) {
+    AuraBox box = outlook_->box(member);
+    if (!outlook_->rests(member))
+      box = joined(box, way_of(situation_->hosted[member], look.onward_s));
+    room = room ? joined(*room, box) : box;
+  }
+  room->half.array() += look.clearance_m;
+  RegionSet near;
+  for (std::uint16_t k = 0; k < situation_->map.size(); ++k) {
+    const RegionId region{k};
+    if (region == situation_->self) continue;
+    const double low_x = room->centre.x() - room->half.x();
+    const double low_z = room->centre.z() - room->half.z();
+    const double high_x = room->centre.x() + room->half.x();
+    const double high_z = room->centre.z() + room->half.z();
+    if (situation_->map.area(region).overlaps(low_x, low_z, high_x, high_z) ||
+        (rooms_of_hosts_[k] && rooms_of_hosts_[k]->overlaps(*room)))
+      near.add(region);
+  }
+  if (near.empty()) return false;
+  near.remove(near.lowest());
+  if (near.empty()) return false;
+  RegionSet others = around(cluster);
+  if (!others.empty()) others.remove(others.lowest());
+  return !others.empty();
 }
 
 bool Contests::is_overtaken(Clusters::Number cluster, RegionId asker) const {

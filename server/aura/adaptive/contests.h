@@ -82,6 +82,8 @@ class Contests {
   void add_around(const AuraBox& box, const Surroundings& look, RegionSet& around) const;
   void add_around(Clusters::Number cluster, const Surroundings& look, RegionSet& around) const;
   const RegionSet& around(Clusters::Number cluster);
+  const Surroundings& looks_as(Clusters::Number cluster) const;
+  bool is_crowded(Clusters::Number cluster);
 
   double reach_s_ = 0;
   std::int64_t round_trip_ticks_ = 0;  ///< Until a server hears what is made of its word.
@@ -93,6 +95,8 @@ class Contests {
   /// By cluster, found out when first asked for.
   std::vector<std::optional<RegionSet>> around_;
   std::vector<std::optional<Company>> companies_;
+  /// Around all auras of each other server.
+  std::vector<std::optional<AuraBox>> rooms_of_hosts_;
   std::vector<bool> contested_;
   std::vector<RegionSet> visitors_;
   /// Who hosts something on the way of each body, by the last look ahead; ascending.
