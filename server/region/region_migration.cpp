@@ -173,9 +173,13 @@ void RegionCore::migrate(Tick now) {
   // Most of a world sleeps most of the time; what was decided then still holds.
   if (nothing_stirs(now)) return;
   remote_auras_.clear();
-  for (const RemoteAura& aura : aura_exchange_.remote())
-    // What is said of a body that has come to us since is out of date.
-    if (!hosting_.hosts(aura.id)) remote_auras_.push_back(aura);
+  // What is said of a body that has come to us since is out of date. Both ascend.
+  const std::span<const BodyId> ours = hosting_.physics().ids();
+  auto at = ours.begin();
+  for (const RemoteAura& aura : aura_exchange_.remote()) {
+    at = std::lower_bound(at, ours.end(), aura.id);
+    if (at == ours.end() || *at != aura.id) remote_auras_.push_back(aura);
+  }
   const MigrationDecision decision = decide(now);
   enter(StepProfile::Part::aura);
   for (const Migration& migration : decision.leaving)

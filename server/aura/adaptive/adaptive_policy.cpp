@@ -134,6 +134,7 @@ class AdaptivePolicy final : public MigrationPolicy {
   /// that whoever is about to be met has heard of it.
   void project(const MigrationSituation& s, MigrationDecision& decision) {
     const Rectangle& home = s.map.area(s.self);
+    decision.projected.reserve(s.remote.size() + 64);  // About as many as others tell of.
     for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
       const auto cluster = clusters_.known(i);
       if (cluster && clusters_.sent(*cluster)) continue;
