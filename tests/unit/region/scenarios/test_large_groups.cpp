@@ -11,8 +11,8 @@ namespace {
 
 constexpr int across = 20, deep = 20, high = 5;
 
-/// 2,000 balls of 0.6 m in a block, as near to each other as contacts are; on a floor without
-/// friction they begin to settle at once.
+/// Two thousand balls of 0.6 m in a block, as near to each other as contacts are; on a floor
+/// without friction they begin to settle at once.
 std::vector<BodyId> block_of_two_thousand(WorldDefinition& world) {
   std::vector<BodyId> ids;
   for (int y = 0; y < high; ++y)
@@ -45,7 +45,8 @@ Sent in_journal(RegionCluster& cluster, const WorldDefinition& world) {
 
 }  // namespace
 
-TEST_CASE("a group of 2,000 touching bodies is handed over whole, in few bytes, at one tick") {
+TEST_CASE(
+    "a group of two thousand touching bodies is handed over whole, in few bytes, at one tick") {
   for (const auto mode : {MigrationMode::naive, MigrationMode::adaptive}) {
     auto world = flat_world(2);
     world.mode = mode;
