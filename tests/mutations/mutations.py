@@ -149,4 +149,28 @@ MUTATIONS = [
          (REGION, "whatever dies, no body is lost and none has two owners"),
          (REGION, "a sender that dies with its group in flight claims it*")),
     ),
+    Mutation(
+        "whole-clusters",
+        "decisions never ask for more than the strip along the boundary",
+        "server/aura/adaptive/adaptive_policy.cpp",
+        "    if (s.view == nullptr) return true;\n",
+        "    if (s.view == nullptr || s.view != nullptr) return true;\n",
+        ((REGION, "a chain that reaches deep into its region changes servers whole"),),
+    ),
+    Mutation(
+        "claimed-sleepers",
+        "what sleepers lean on is not looked for when a recovery claims them",
+        "server/region/hosting.cpp",
+        "  physics_.find_contacts(sleepers);\n",
+        "",
+        ((REGION, "a sleeper that was claimed knows what it leans on"),),
+    ),
+    Mutation(
+        "later-epoch-stays",
+        "a body that arrives replaces the one that is here, however old it is",
+        "server/region/hosting.cpp",
+        "      if (it->second.epoch > arriving.epoch) continue;\n",
+        "",
+        ((REGION, "of two claims to one body the later epoch stays, whichever comes first"),),
+    ),
 ]

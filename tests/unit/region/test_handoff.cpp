@@ -24,10 +24,11 @@ struct Besieged {
   Status hear(FrameType type, Bytes payload) {
     return core->receive(PeerId{1}, Frame{type, ++sequence, std::move(payload)});
   }
-  Status hand_over(BodyId id, PrototypeId prototype, const BodyState& state, Tick tick) {
+  Status hand_over(BodyId id, PrototypeId prototype, const BodyState& state, Tick tick,
+                   std::uint32_t epoch = 1) {
     HandoffGroup group;
     group.tick = tick;
-    group.bodies.push_back({{id, prototype, state}, 1});
+    group.bodies.push_back({{id, prototype, state}, epoch});
     return hear(FrameType::handoff, encode_handoff(group));
   }
   void step(int ticks = 1) {
@@ -243,6 +244,25 @@ TEST_CASE("a body that is handed over though it is hosted here does not stop the
   region.step(5);
   REQUIRE(region.core->physics().size() == 1);
   REQUIRE(region.core->statistics().version_conflicts == 1);
+}
+
+TEST_CASE("of two claims to one body the later epoch stays, whichever comes first") {
+  Besieged region;
+  region.start();
+  region.step(5);
+  const BodyId id = BodyId::world(90);
+  const auto come = [&](double x, std::uint32_t epoch) {
+    REQUIRE(region.hand_over(id, ball, at({x, 0.3, 0}), region.now, epoch));
+    region.step(2);
+    REQUIRE(region.core->physics().size() == 1);
+    return region.core->physics().position(id).x;
+  };
+  CHECK(come(10, 7) == Approx(10).margin(0.01));  // Ours is the eighth from now on.
+  CHECK(come(20, 5) == Approx(10).margin(0.01));
+  CHECK(region.core->hosting().epoch(id) == 8);
+  CHECK(come(30, 11) == Approx(30).margin(0.01));
+  CHECK(region.core->hosting().epoch(id) == 12);
+  CHECK(region.core->statistics().version_conflicts == 2);
 }
 
 TEST_CASE("a body of ours that is handed over before the first step is not made again") {

@@ -1,9 +1,11 @@
 // What rests may be cut: hunting for blows that reach a stand-in before both sides are together.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "tests/support/catch.h"
 #include "tests/support/region_cluster.h"
+#include "tests/unit/region/scenarios/overlap_watch.h"
 
 using namespace aureole;
 using namespace aureole::testing;
@@ -33,15 +35,19 @@ void into_four(WorldDefinition& world) {
                    {"d", {0, 0, inf, inf}}};
 }
 
-/// Steps to the tick given, or a little further until nobody is in flight.
-void step_to(RegionCluster& cluster, int ticks, std::span<const BodyId> ids) {
-  cluster.step(ticks);
-  for (int more = 0; more < 20; ++more) {
-    bool here = true;
-    for (BodyId id : ids) here = here && cluster.owner(id);
-    if (here) return;
+/// Steps to the tick given, or a little further until nobody is in flight. In no tick may bodies of
+/// two servers be in each other.
+void step_to(RegionCluster& cluster, const WorldDefinition& world, int ticks,
+             std::span<const BodyId> ids) {
+  OverlapWatch watch(world);
+  const auto in_flight = [&](BodyId id) { return !cluster.owner(id); };
+  for (int tick = 0; tick < ticks + 20; ++tick) {
+    if (tick >= ticks && std::none_of(ids.begin(), ids.end(), in_flight)) break;
     cluster.step();
+    watch.look(cluster, world);
   }
+  INFO("deepest: " << watch.worst());
+  CHECK(watch.overlaps() == 0);
 }
 
 /// Everything of the world that rests is cut and stands still.
@@ -79,8 +85,8 @@ TEST_CASE("a fast ball into the far end of a row across a boundary moves it as o
         const double expected_mps = row_momentum_mps(one, row);
         for (const int delay : {0, 1}) {
           RegionCluster two(split, delay);
-          step_to(two, 100, row);
           INFO("row of " << count << " from " << first << ", " << speed << " m/s, delay " << delay);
+          step_to(two, split, 100, row);
           CHECK(struck(two, split) == 0);
           // How the balls share it depends on the order in which the solver meets them; how much
           // there is does not.
@@ -110,8 +116,8 @@ TEST_CASE("a tower on the boundary falls when its foot is struck, and no stand-i
     put(world, ball, {20, 0.6, 0}, {25, 1.5f, 0});
     RegionCluster cluster(world, delay);
     require_cut(cluster, world, 50);
-    step_to(cluster, 200, tower);
     INFO("delay " << delay);
+    step_to(cluster, world, 200, tower);
     CHECK(struck(cluster, world) == 0);
     int fallen = 0;
     for (std::size_t i = 0; i < tower.size(); ++i)
@@ -135,8 +141,8 @@ TEST_CASE("a wall of 200 bricks along the boundary is hit in the middle") {
     put(world, ball, {20, 2.0, 0.2}, {25, 5.5f, 0});
     RegionCluster cluster(world, delay);
     require_cut(cluster, world, 50);
-    step_to(cluster, 250, wall);
     INFO("delay " << delay);
+    step_to(cluster, world, 250, wall);
     CHECK(struck(cluster, world) == 0);
     int moved = 0;
     for (BodyId id : wall) moved += std::abs(cluster.state(id).position.x - 50) > 0.5;
@@ -159,8 +165,8 @@ TEST_CASE("a ball dropped on a heap over a corner strikes no stand-in, and the h
     const BodyId dropped = put(world, ball, {0.1, 18, 0.15});
     RegionCluster cluster(world, delay);
     require_cut(cluster, world, 60);
-    step_to(cluster, 700, heap);
     INFO("delay " << delay);
+    step_to(cluster, world, 700, heap);
     CHECK(struck(cluster, world) == 0);
     REQUIRE(cluster.owner(dropped));
     for (BodyId id : heap) {
@@ -207,8 +213,27 @@ TEST_CASE("what stood on a neighbour's body falls when that is taken away") {
   REQUIRE(cluster.owner(there) == 1);
   REQUIRE(cluster.owner(on_top) == 0);
   const std::vector ids{here, there, on_top};
-  step_to(cluster, 170, ids);
+  step_to(cluster, world, 170, ids);
   REQUIRE(cluster.state(there).position.x < 50.5);
   CHECK(cluster.state(on_top).position.y < 1.05);
   CHECK(struck(cluster, world) == 0);
+}
+
+TEST_CASE("the watch over overlaps sees two bodies of different servers that are in each other") {
+  auto world = flat_world(2, 50);
+  world.mode = MigrationMode::naive;  // Bodies of two servers do not meet.
+  const BodyId a = put(world, box, {48, 0.5, 0}, {4, 0, 0});
+  const BodyId b = put(world, box, {52, 0.5, 0}, {-4, 0, 0});
+  world.prototypes[1].body.friction = 0;
+  RegionCluster cluster(world);
+  OverlapWatch watch(world);
+  for (int tick = 0; tick < 40; ++tick) {
+    cluster.step();
+    watch.look(cluster, world);
+    if (!cluster.owner(a) || !cluster.owner(b)) continue;
+    const double apart = std::abs(cluster.state(a).position.x - cluster.state(b).position.x);
+    if (cluster.owner(a) != cluster.owner(b) && apart > 1.01) CHECK(watch.overlaps() == 0);
+  }
+  CHECK(watch.overlaps() > 0);
+  CHECK(watch.deepest_m() > 0.1);
 }

@@ -1,0 +1,126 @@
+// What players throw across a boundary hits what it would hit on one server, whoever throws.
+#include <algorithm>
+
+#include "tests/support/catch.h"
+#include "tests/support/region_cluster.h"
+#include "tests/unit/region/scenarios/overlap_watch.h"
+
+using namespace aureole;
+using namespace aureole::testing;
+using Kind = PlayerCommand::Kind;
+
+namespace {
+
+constexpr PlayerId me{40};        // Stands 0.9 m east of the spawn point.
+constexpr float east = -1.5708f;  // Yaw 0 looks along -z and grows to the left.
+constexpr int boundary_m = 12;
+
+struct Scene {
+  WorldDefinition world;
+  BodyId target;
+
+  /// The thrower stands at x = 10.6, the near side of a box in the way at `face_m`.
+  Scene(int columns, double face_m) : world(flat_world(columns, boundary_m)) {
+    world.spawn_points = {{{9.7, 0.95, 0}, 0}};
+    target = put(world, box, {face_m + 0.5, 0.5, 0}, {0, 0, 0}, Activation::asleep);
+    put(world, box, {face_m + 0.5, 1.5, 0}, {0, 0, 0}, Activation::asleep);
+  }
+};
+
+struct Outcome {
+  double fastest_mps = 0;      ///< Of the upper box, along the throw.
+  int ticks_until_thrown = 0;  ///< From the command on.
+  bool was_cut = false;        ///< The box was the other server's when the command came.
+  int overlaps = 0;
+  std::uint64_t struck = 0;
+};
+
+constexpr int long_idle_ticks = static_cast<int>(Players::idle_ticks) + 400;
+
+/// The player does nothing for so long, and then throws.
+Outcome throw_after(const Scene& scene, int delay, int idle_ticks) {
+  RegionCluster cluster(scene.world, delay);
+  std::uint32_t sequence = 0;
+  const auto act = [&](Kind kind, std::optional<int> region = {}) {
+    PlayerCommand command;
+    command.player = me;
+    command.session = 1;
+    command.sequence = ++sequence;
+    command.kind = kind;
+    command.yaw = east;
+    cluster.command(command, region);
+  };
+  const BodyId upper = BodyId::world(1), thrown = BodyId::thrown(me, 0);
+  act(Kind::join, 0);
+  cluster.step(idle_ticks);
+  Outcome out;
+  out.was_cut = cluster.owner(upper) != cluster.owner(BodyId::avatar(me));
+  act(Kind::throw_body);
+  OverlapWatch watch(scene.world);
+  bool is_out = false;
+  for (int tick = 0; tick < 60; ++tick) {
+    cluster.step();
+    watch.look(cluster, scene.world);
+    is_out = is_out || cluster.owner(thrown).has_value();
+    if (!is_out) ++out.ticks_until_thrown;
+    if (cluster.owner(upper))
+      out.fastest_mps = std::max(out.fastest_mps, double{cluster.state(upper).linear_velocity.x()});
+  }
+  REQUIRE(is_out);
+  out.overlaps = watch.overlaps();
+  for (int i = 0; i < static_cast<int>(scene.world.regions.size()); ++i)
+    out.struck += cluster.core(i).statistics().struck_stand_ins;
+  return out;
+}
+
+void compare_idle_throw(double face_m) {
+  const Outcome one = throw_after(Scene(1, face_m), 0, long_idle_ticks);
+  REQUIRE(one.fastest_mps > 3);
+  CHECK(one.ticks_until_thrown == 0);
+  for (const int delay : {0, 1}) {
+    const Outcome two = throw_after(Scene(2, face_m), delay, long_idle_ticks);
+    INFO("face at " << face_m << " m, delay " << delay);
+    REQUIRE(two.was_cut);
+    CHECK(two.fastest_mps == Approx(one.fastest_mps).epsilon(0.05));
+    CHECK(two.overlaps == 0);
+    CHECK(two.struck == 0);
+    // Nobody waits for longer than it takes to fetch what may be hit: 8 steps, and the way there.
+    CHECK(two.ticks_until_thrown <= 8 + 2 * delay);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("what an idle player throws across a boundary strikes as on one server") {
+  // Beyond the boundary by so little that the ball is there in its first steps, and farther away.
+  for (const double face_m : {12.2, 15.0, 17.0}) compare_idle_throw(face_m);
+}
+
+// One metre beyond the boundary a resting body is not told of across it, so that the thrower does
+// not know of any company and nothing is held back: the blow comes while ball and box are on their
+// way to one server, and is lost (a box of 2 kg gets 0.15 m/s instead of 6.6). The tag says that
+// this fails; whoever mends it takes it away.
+TEST_CASE("what an idle player throws at a body a metre beyond the boundary strikes it too",
+          "[!shouldfail]") {
+  compare_idle_throw(13.0);
+}
+
+TEST_CASE("what a player in play throws across a boundary strikes as on one server, and at once") {
+  for (const double face_m : {12.2, 15.0}) {
+    const Outcome one = throw_after(Scene(1, face_m), 0, 40);
+    for (const int delay : {0, 1}) {
+      const Outcome two = throw_after(Scene(2, face_m), delay, 40);
+      INFO("face at " << face_m << " m, delay " << delay);
+      CHECK(two.fastest_mps == Approx(one.fastest_mps).epsilon(0.05));
+      CHECK(two.overlaps == 0);
+      CHECK(two.struck == 0);
+      CHECK(two.ticks_until_thrown <= 1 + delay);  // It may change its server at once.
+    }
+  }
+}
+
+TEST_CASE("an idle player far from others' bodies throws at once") {
+  const Outcome two = throw_after(Scene(2, 40), 1, long_idle_ticks);
+  CHECK(two.ticks_until_thrown == 0);
+  CHECK(two.was_cut);
+}

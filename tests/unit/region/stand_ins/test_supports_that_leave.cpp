@@ -1,0 +1,160 @@
+// Supports that their server hands away, moves or removes, and who slept on them (adaptive mode).
+#include "server/region/hosting.h"
+
+#include "tests/support/catch.h"
+#include "tests/support/region_cluster.h"
+
+using namespace aureole;
+using namespace aureole::testing;
+using Kind = PlayerCommand::Kind;
+
+namespace {
+
+constexpr auto asleep = Activation::asleep;
+
+/// One server's bodies: a box that sleeps on another one.
+struct Pile {
+  WorldDefinition world = flat_world(2);
+  Hosting hosting{world, RegionId{0}, Incarnation{1}};
+  const BodyId support = BodyId::world(0), on_top = BodyId::world(1);
+  Tick now{300};
+
+  Pile() {
+    NewBody boxes[] = {{support, box, {}}, {on_top, box, {}}};
+    boxes[0].state.position = {50.2, 0.5, 0};
+    boxes[1].state.position = {49.95, 1.5, 0};
+    hosting.spawn(boxes);
+    for (int i = 0; i < 200; ++i) hosting.physics().step(tick_s);
+    REQUIRE(hosting.physics().awake_count() == 0);
+  }
+  /// What decisions see of the two.
+  void look(double support_mps) {
+    hosting.begin_look(now);
+    for (const BodyId id : {support, on_top}) {
+      HostedBody seen;
+      seen.id = id;
+      seen.motion_speed_mps = id == support ? support_mps : 0;
+      seen.asleep = seen.motion_speed_mps <= 0;
+      hosting.look(seen, now, 0);
+    }
+  }
+};
+
+/// A player who stands still.
+struct Thrower {
+  RegionCluster& cluster;
+  PlayerId player;
+  std::uint32_t sequence = 0;
+
+  void act(Kind kind, float yaw, std::optional<int> region = {}, std::uint16_t spawn = 0) {
+    PlayerCommand command;
+    command.player = player;
+    command.session = 1;
+    command.sequence = ++sequence;
+    command.kind = kind;
+    command.yaw = yaw;
+    command.spawn = spawn;
+    cluster.command(command, region);
+  }
+};
+
+}  // namespace
+
+TEST_CASE(
+    "a resting support that is handed away stays as a stand-in, and who sleeps on it sleeps") {
+  Pile pile;
+  pile.look(0);
+  const auto released = pile.hosting.release({&pile.support, 1}, pile.now, Hosting::Cut::at_rest);
+  CHECK(released.left_behind == std::vector{pile.support});
+  const PhysicsWorld& physics = pile.hosting.physics();
+  CHECK(physics.is_stand_in(pile.support));
+  CHECK(physics.is_asleep(pile.on_top));
+  CHECK(physics.touching(pile.on_top) == std::vector{pile.support});
+  for (int i = 0; i < 100; ++i) pile.hosting.physics().step(tick_s);
+  CHECK(physics.position(pile.on_top).y == Approx(1.5).margin(2e-3));
+}
+
+TEST_CASE("a support that moves is handed away without a stand-in, and who slept on it wakes") {
+  Pile pile;
+  pile.look(1);
+  const auto released = pile.hosting.release({&pile.support, 1}, pile.now, Hosting::Cut::at_rest);
+  CHECK(released.left_behind.empty());
+  const PhysicsWorld& physics = pile.hosting.physics();
+  CHECK_FALSE(physics.is_stand_in(pile.support));
+  CHECK_FALSE(physics.is_asleep(pile.on_top));
+  for (int i = 0; i < 60; ++i) pile.hosting.physics().step(tick_s);
+  CHECK(physics.position(pile.on_top).y < 0.6);
+}
+
+TEST_CASE("what sleeps on a neighbour's body falls when that is removed from the world") {
+  constexpr float west = 1.5708f, east = -1.5708f;
+  for (const int delay : {0, 1}) {
+    auto world = flat_world(2);
+    // Whoever throws lays a box down 1.37 m ahead.
+    for (auto& item : world.throwables) item = {"box", box, 0};
+    world.spawn_points = {{{50.616, 0.95, 0}, west}, {{47.554, 0.95, 0}, east}};
+    RegionCluster cluster(world, delay);
+    Thrower there{cluster, PlayerId{40}}, here{cluster, PlayerId{48}};
+    there.act(Kind::join, west, 1, 0);
+    here.act(Kind::join, east, 0, 1);
+    cluster.step(30);
+    there.act(Kind::throw_body, west);
+    cluster.step(100);
+    here.act(Kind::throw_body, east);
+    const BodyId support = BodyId::thrown(there.player, 0), on_top = BodyId::thrown(here.player, 0);
+    cluster.step(400);
+    INFO("delay " << delay);
+    REQUIRE(cluster.owner(support) == 1);
+    REQUIRE(cluster.owner(on_top) == 0);
+    REQUIRE(cluster.state(on_top).activation == asleep);
+    const WorldPosition before = cluster.state(on_top).position;
+    REQUIRE(before.y == Approx(1.5).margin(0.02));
+    cluster.step(100);
+    CHECK(distance(cluster.state(on_top).position, before) < 1e-3);
+
+    there.act(Kind::leave, west);
+    // What an idle player does is held back for 8 ticks.
+    cluster.step(11 + 2 * delay);
+    REQUIRE_FALSE(cluster.owner(support));
+    CHECK(cluster.state(on_top).activation == Activation::awake);
+    cluster.step(80);
+    CHECK(cluster.state(on_top).position.y < 0.6);
+    CHECK(cluster.core(0).physics().stand_in_ids().empty());
+    CHECK(cluster.core(0).statistics().struck_stand_ins == 0);
+  }
+}
+
+TEST_CASE("what sleeps on a neighbour's body falls when a player carries that away") {
+  constexpr float west = 1.5708f;
+  for (const int delay : {0, 1}) {
+    auto world = flat_world(2);
+    const BodyId support = put(world, box, {50.2, 0.5, 0}, {0, 0, 0}, asleep);
+    const BodyId on_top = put(world, box, {49.85, 1.5, 0}, {0, 0, 0}, asleep);
+    world.spawn_points = {{{51.1, 0.95, 0}, west}};
+    RegionCluster cluster(world, delay);
+    Thrower player{cluster, PlayerId{40}};
+    player.act(Kind::join, west, 1);
+    cluster.step(400);  // Long enough to count as idle.
+    INFO("delay " << delay);
+    REQUIRE(cluster.owner(support) == 1);
+    REQUIRE(cluster.owner(on_top) == 0);
+    REQUIRE(cluster.state(on_top).activation == asleep);
+    REQUIRE(cluster.core(0).physics().is_stand_in(support));
+
+    PlayerCommand grab;
+    grab.player = player.player;
+    grab.session = 1;
+    grab.sequence = ++player.sequence;
+    grab.kind = Kind::grab;
+    grab.target = support;
+    grab.yaw = 0;  // Carries it to where it looks: north, and away.
+    cluster.command(grab);
+    cluster.step(150);
+    for (int more = 0; more < 20 && !(cluster.owner(support) && cluster.owner(on_top)); ++more)
+      cluster.step();
+    REQUIRE(cluster.state(support).position.z < -1);
+    CHECK(cluster.state(on_top).position.y < 1.0);
+    CHECK(cluster.core(0).statistics().struck_stand_ins == 0);
+    CHECK(cluster.core(1).statistics().struck_stand_ins == 0);
+  }
+}
