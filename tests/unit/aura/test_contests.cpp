@@ -169,7 +169,7 @@ TEST_CASE("nothing is decided about a cluster that may reach beyond what is show
 
 TEST_CASE("who has changed its owner does not go up where a third server may soon be near") {
   Scene scene;
-  scene.map = PartitionMap({{-inf, -inf, 0, inf}, {0, -inf, 20, inf}, {20, -inf, inf, inf}});
+  scene.map = PartitionMap({{-inf, -inf, -8, inf}, {-8, -inf, 20, inf}, {20, -inf, inf, inf}});
   scene.self = 1;
   scene.hosted = {awake_at(0, 19.9)};
   scene.remote = {aura(1, 2, false, 20.3)};
@@ -185,18 +185,25 @@ TEST_CASE("who has changed its owner does not go up where a third server may soo
   }
 }
 
-TEST_CASE("nothing is given to a higher number where a third server is near") {
+TEST_CASE(
+    "where a third server is near all go to the lowest; if it is away, none to a higher one") {
   Scene scene;
-  scene.map = columns(3);
   scene.self = 1;
   scene.hosted = {awake_at(0, 19.9)};
   scene.remote = {aura(1, 2, false, 20.3)};
-  REQUIRE(scene.decide().leaving.size() == 1);
-  scene.map = PartitionMap({{-inf, -inf, 0, inf}, {0, -inf, 7, inf}, {7, -inf, inf, inf}});
-  scene.hosted = {awake_at(0, 6.9)};
-  scene.remote = {aura(1, 2, false, 7.3)};
-  REQUIRE(scene.decide().leaving.empty());
-  REQUIRE(scene.decide().pulls.size() == 1);
+  for (const double third_m : {30.0, 6.0})
+    for (const bool away : {false, true}) {
+      const double edge = 20 - third_m;
+      scene.map =
+          PartitionMap({{-inf, -inf, edge, inf}, {edge, -inf, 20, inf}, {20, -inf, inf, inf}});
+      scene.linked[0] = !away;
+      const MigrationDecision decision = scene.decide();
+      INFO("a third server " << third_m << " m away, " << (away ? "down" : "up"));
+      const bool stays = third_m < 10 && away;
+      REQUIRE(decision.leaving.size() == (stays ? 0 : 1));
+      REQUIRE(decision.pulls.size() == (third_m < 10 ? 1 : 0));
+      if (!stays) REQUIRE(decision.leaving[0].to == RegionId{third_m < 10 ? 0u : 2u});
+    }
 }
 
 TEST_CASE("both servers of a pair look at the same overlap and exactly one moves its body") {
@@ -229,9 +236,9 @@ TEST_CASE("a body that meets two servers at a corner goes to the lowest one") {
 
 TEST_CASE("who has just changed its owner goes at once as far as it may have to") {
   Scene scene;
-  scene.map = columns(3);
+  scene.map = PartitionMap({{-inf, -inf, -7, inf}, {-7, -inf, 10, inf}, {10, -inf, inf, inf}});
   scene.self = 2;
-  scene.hosted = {awake_at(0, 13)};  // Three metres from the lowest server's region.
+  scene.hosted = {awake_at(0, 13)};  // 20 m from the lowest server's region.
   scene.remote = {aura(1, 1, false, 13.5)};
   REQUIRE(scene.decide().leaving.empty());  // The other one decides.
   scene.hosted[0].changed_owner = Tick{-long_stay_ticks + 1};
