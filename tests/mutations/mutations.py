@@ -101,7 +101,8 @@ MUTATIONS = [
         "server/region/hosting.cpp",
         "  physics_.remove(gone);",
         "  physics_.remove(gone, Wake::nobody);",
-        ((REGION, "a sleeping support that is handed away*"),),
+        ((REGION, "a sleeping support that is handed away*"),
+         (REGION, "a support that moves is handed away without a stand-in*")),
     ),
     Mutation(
         "fence-before-take-back",
