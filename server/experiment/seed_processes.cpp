@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,6 +14,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <new>
 #include <vector>
 
 #include "server/base/check.h"
@@ -31,6 +33,7 @@ struct Child {
   std::string said, complained;
   Clock::time_point started;
   bool too_long = false;
+  RunMoment* moment = nullptr;  ///< Shared with the child.
 };
 
 void write_all(int to, const std::string& text) {
@@ -47,8 +50,12 @@ Child start(int index, const std::function<std::string(int)>& work) {
   int output[2], complaint[2];
   AUREOLE_CHECK(::pipe2(output, O_CLOEXEC) == 0 && ::pipe2(complaint, O_CLOEXEC) == 0,
                 "there are pipes for a child process");
+  void* const shared =
+      ::mmap(nullptr, sizeof(RunMoment), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  AUREOLE_CHECK(shared != MAP_FAILED, "there is memory to share with a child process");
   std::fflush(nullptr);
   Child child;
+  child.moment = new (shared) RunMoment;
   child.index = index;
   child.started = Clock::now();
   child.pid = ::fork();
@@ -58,6 +65,7 @@ Child start(int index, const std::function<std::string(int)>& work) {
     // Whatever this process does about signals is not the child's matter.
     for (const int signal : {SIGINT, SIGTERM, SIGABRT, SIGSEGV, SIGFPE, SIGILL})
       ::signal(signal, SIG_DFL);
+    share_run_moments(child.moment);
     write_all(output[1], work(index));
     ::_exit(0);
   }
@@ -87,6 +95,8 @@ ChildOutcome finish(Child& child, double limit_s) {
   while (::waitpid(child.pid, &status, 0) < 0 && errno == EINTR) {
   }
   ChildOutcome outcome;
+  const RunMoment moment = *child.moment;
+  ::munmap(child.moment, sizeof(RunMoment));
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
     outcome.ended_well = true;
     outcome.output = std::move(child.said);
@@ -99,6 +109,8 @@ ChildOutcome finish(Child& child, double limit_s) {
         fmt::format("ended by signal {} ({})", WTERMSIG(status), ::strsignal(WTERMSIG(status)));
   else
     outcome.how = fmt::format("ended with exit code {}", WEXITSTATUS(status));
+  outcome.moment = moment;
+  if (moment.tick >= 0) outcome.how += " " + describe(moment);
   if (!child.complained.empty()) outcome.how += ": " + child.complained;
   while (!outcome.how.empty() && outcome.how.back() == '\n') outcome.how.pop_back();
   return outcome;

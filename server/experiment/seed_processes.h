@@ -5,12 +5,15 @@
 #include <functional>
 #include <string>
 
+#include "server/experiment/run_moment.h"
+
 namespace aureole {
 
 struct ChildOutcome {
   bool ended_well = false;
   std::string output;  ///< What the work returned; empty unless it ended well.
   std::string how;     ///< Else: in which way it ended, with the last that it said on stderr.
+  RunMoment moment;    ///< Else: where its simulation was then.
 };
 
 struct ChildOptions {

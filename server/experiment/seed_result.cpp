@@ -25,6 +25,7 @@ void for_each_number(Result& r, Use use) {
   use("migrations_per_body_max_per_s", r.migrations_per_body_max_per_s);
   use("unsettled", r.unsettled);
   use("awake_at_end", r.awake_at_end);
+  use("rest_not_judged", r.rest_not_judged);
   use("refused_messages", r.refused_messages);
   use("version_conflicts", r.version_conflicts);
   use("foreign_hosted_share_max", r.foreign_hosted_share_max);
@@ -45,6 +46,9 @@ nlohmann::json to_json(const SeedResult& result) {
   for_each_number(result, [&](const char* name, const auto& value) { json[name] = value; });
   json["handoff_jumps_mm"] = result.handoff_jumps_mm;
   json["hash"] = result.hash;
+  nlohmann::json trail = nlohmann::json::array();
+  for (const StepMark& m : result.trail) trail.push_back({m.tick, m.server, m.bodies, m.hash});
+  json["trail"] = trail;
   nlohmann::json list = nlohmann::json::array();
   for (const Violation& v : result.violations)
     list.push_back({{"rule", v.rule}, {"tick", v.tick}, {"what", v.what}});
@@ -60,6 +64,8 @@ Result<SeedResult> seed_result_from(const nlohmann::json& json) {
     for_each_number(result, [&](const char* name, auto& value) { json.at(name).get_to(value); });
     json.at("handoff_jumps_mm").get_to(result.handoff_jumps_mm);
     json.at("hash").get_to(result.hash);
+    for (const auto& m : json.at("trail"))
+      result.trail.push_back({m.at(0), m.at(1), m.at(2), m.at(3)});
     for (const auto& v : json.at("violations"))
       result.violations.push_back({v.at("rule"), v.at("tick"), v.at("what")});
   } catch (const nlohmann::json::exception& wrong) {

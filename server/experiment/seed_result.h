@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/base/result.h"
+#include "server/experiment/step_trail.h"
 
 namespace aureole {
 
@@ -35,6 +36,7 @@ struct SeedResult {
   std::uint64_t migrations_per_body_max_per_s = 0;
   std::uint64_t unsettled = 0;     ///< At the end: asleep away from home, or still changing owner.
   std::uint64_t awake_at_end = 0;  ///< After all the calm that was given.
+  std::uint64_t rest_not_judged = 0;  ///< Asleep, but beside what was still awake.
   std::uint64_t refused_messages = 0;
   std::uint64_t version_conflicts = 0;
   double foreign_hosted_share_max = 0;
@@ -42,6 +44,7 @@ struct SeedResult {
   std::vector<double> handoff_jumps_mm;   ///< Samples.
   std::uint64_t crashes = 0, resets = 0;  ///< Faults that happened.
   std::uint64_t hash = 0;                 ///< Of all cores at all steps.
+  std::vector<StepMark> trail;            ///< Of all steps, if the run was to keep it.
   double cpu_s = 0;
   double cpu_physics_share = 0;
   std::vector<Violation> violations;  ///< The first few of each rule.

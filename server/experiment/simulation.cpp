@@ -8,6 +8,8 @@
 #include <ctime>
 
 #include "server/base/hash.h"
+#include "server/experiment/oracles/oracle_rest.h"
+#include "server/experiment/run_moment.h"
 
 namespace aureole {
 namespace {
@@ -18,7 +20,6 @@ constexpr Micros frame_limit_us = 15'000;
 constexpr std::size_t share_bodies_min = 50;
 /// In the last second of the run nothing may change owner any more.
 constexpr std::int64_t calm_ticks = 62;
-constexpr double home_hysteresis_allowed_m = 0.5;
 
 double cpu_now_s() {
   timespec t{};
@@ -103,8 +104,11 @@ void Simulation::run_until(Micros until) {
       gateway_.wake(network_, at);
     else if (players_.wakes_at() == at)
       players_.wake(network_, gateway_, at, at < faults_until_us_);
-    else
+    else {
+      note_run_moment(
+          {next->last_tick().value + 1, next->self().value, next->core().physics().ids().size()});
       next->wake(network_, at, observer);
+    }
   }
 }
 
@@ -182,8 +186,10 @@ void Simulation::after_step(SimulatedServer& server, const SimulatedServer::Step
     result_.tolerance_events += statistics.tolerance_events - events;
   events = statistics.tolerance_events;
   result_.stand_ins_max = std::max(result_.stand_ins_max, statistics.stand_ins);
-  result_.hash =
-      Hasher().add(result_.hash).add(std::uint64_t{self.value}).add(core.state_hash()).value();
+  const std::uint64_t state = core.state_hash();
+  result_.hash = Hasher().add(result_.hash).add(std::uint64_t{self.value}).add(state).value();
+  if (options_.keep_trail)
+    result_.trail.push_back({step.tick.value, self.value, core.physics().ids().size(), state});
 }
 
 void Simulation::note_tolerances(Micros now) {
@@ -235,39 +241,26 @@ bool Simulation::all_rest() {
         return s.core().physics().awake_count() == 0;
       });
   if (!asleep) stirred_ = now_;
-  return now_ - stirred_ >= calm_ticks && ownership_.changes_since(now_ - calm_ticks) == 0;
+  return now_ - stirred_ >= calm_ticks && ownership_.changes_since(now_ - calm_ticks).empty();
 }
 
 void Simulation::judge_rest() {
-  const Tick calm_since = now_ - calm_ticks;
-  for (const SimulatedServer& server : servers_) {
-    if (!server.runs()) continue;
-    const PhysicsWorld& physics = server.core().physics();
-    const Rectangle& home = map_.area(server.self());
-    const auto stirs = static_cast<std::uint64_t>(std::count_if(
-        physics.ids().begin(), physics.ids().end(),
-        [&](BodyId id) { return id.kind() != BodyId::Kind::avatar && !physics.is_asleep(id); }));
-    result_.awake_at_end += stirs;
-    // A heap that a player stands in creeps for a minute; what lies beside it waits.
-    if (stirs > 0) continue;
-    for (BodyId id : physics.ids()) {
-      const WorldPosition at = physics.position(id);
-      const double away = home.distance(at.x, at.z);
-      if (scenario_.world.mode != MigrationMode::adaptive || away <= home_hysteresis_allowed_m)
-        continue;
-      if (result_.unsettled++ < 3)
-        result_.violations.push_back(
-            {"unsettled", now_.value,
-             fmt::format("{} sleeps on r{}, {:.2f} m outside of its region, at ({:.2f}, {:.2f})",
-                         describe(id), server.self().value, away, at.x, at.z)});
-    }
-  }
-  const std::uint64_t changes = ownership_.changes_since(calm_since);
-  if (result_.awake_at_end > 0 || changes == 0) return;
-  result_.unsettled += changes;
+  RestOracle rest(map_, scenario_.world);
+  rest.judge(now_, servers_, ownership_.changes_since(now_ - calm_ticks));
+  rest.report(result_);
+}
+
+void Simulation::judge_jumps() {
+  const auto tolerated_us = static_cast<Micros>(scenario_.world.tolerances.latency_ms * 1000);
+  if (options_.faults != FaultKinds::none || options_.network.latency_us > tolerated_us) return;
+  const HandoffShadow::Jump* jump = shadow_.p99();
+  if (jump == nullptr || jump->mm <= jump_mm_p99_max) return;
   result_.violations.push_back(
-      {"unsettled", now_.value,
-       fmt::format("{} changes of owner in the last second although nothing moves", changes)});
+      {"jump", jump->tick.value,
+       fmt::format("of {} bodies that were handed over 1 % moved by {:.2f} mm or more, such as {} "
+                   "from r{} to r{}; allowed {} mm",
+                   shadow_.jumps().size(), jump->mm, describe(jump->body), jump->from.value,
+                   jump->to.value, jump_mm_p99_max)});
 }
 
 SeedResult Simulation::finish() {
@@ -278,6 +271,7 @@ SeedResult Simulation::finish() {
   interactions_.report(result_);
   shadow_.report(result_);
   judge_rest();
+  judge_jumps();
   const auto refuse = [&](const std::string& who, const std::vector<std::string>& refusals) {
     for (const std::string& refusal : refusals) {
       if (result_.refused_messages++ < 3)

@@ -29,6 +29,8 @@ struct SimulationOptions {
   SimulatedPace pace;
   /// Without it nobody looks at the run: no oracles, no hash. What happens is the same.
   bool judged = true;
+  /// Keep the hash of each step, so that two runs can be compared step by step.
+  bool keep_trail = false;
 };
 
 /// Runs a scenario to its end. Deterministic: the same options give the same hash.
@@ -38,6 +40,8 @@ class Simulation {
   static constexpr double faults_share = 0.6;
   /// After the run's time it waits so long (virtual) for everything to fall asleep.
   static constexpr double calm_extension_s = 20;
+  /// How far 99 % of the handoffs may move a body at most, without faults and within tolerances.
+  static constexpr double jump_mm_p99_max = 5;
 
   Simulation(Scenario scenario, const SimulationOptions& options);
   ~Simulation();
@@ -68,6 +72,7 @@ class Simulation {
   void note_tolerances(Micros now);
   void look();
   void judge_rest();
+  void judge_jumps();
   bool all_run() const;
   bool all_rest();
   bool players_act(Micros now) const;

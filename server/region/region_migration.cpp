@@ -4,6 +4,7 @@
 #include <set>
 
 #include "server/aura/adaptive/aura_size.h"
+#include "server/aura/audience.h"
 #include "server/region/region_core.h"
 
 namespace aureole {
@@ -77,10 +78,16 @@ void RegionCore::foresee_deeds(std::vector<HostedBody>& hosted, Tick now) {
     if (!body) continue;
     const double reach_s = reach_time_s(tolerances_.limits());
     const AuraCapsule reach = struck_aura(resting_aura(hosted[*body]), speed * reach_s, reach_s);
+    // What rests beyond the boundary is not told of before something comes near to it.
+    const AuraBox room = reach.box();
+    const bool leaves_home = !audience_of(map_, self_, hosted[*body].position,
+                                          std::max(room.half.x(), room.half.z()))
+                                  .empty();
     const auto remote = aura_exchange_.remote();
     players_.note_company(avatar->player,
-                          std::any_of(remote.begin(), remote.end(),
-                                      [&](auto& aura) { return overlap(aura.room, reach); }));
+                          leaves_home || std::any_of(remote.begin(), remote.end(), [&](auto& aura) {
+                            return overlap(aura.room, reach);
+                          }));
     if (!players_.in_play(*avatar, now)) continue;
     hosted[*body].deed_speed_mps = speed;
     hosted[*body].deed_mass_kg = mass;

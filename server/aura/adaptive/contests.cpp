@@ -13,13 +13,14 @@ namespace {
 using Surroundings = Contests::Surroundings;
 /// A cluster goes to the lowest server that has anything so near to it, or on its way, if that is a
 /// third one: at a corner it would be fetched on to that one soon, and from there to the next.
-constexpr Surroundings near_by{16.0, 1.0};
+constexpr Surroundings near_by{1.0, 0.5};
 /// Who has changed its owner within the last second goes as far as it may have to at once: it must
 /// not change it more than twice.
-constexpr Surroundings far_around{24.0, 1.0};
+constexpr Surroundings far_around{16.0, 1.0};
 
-/// What is given to a higher number may have to come down again: not where a third server that is
-/// away, and may be back, is so near, nor for who has changed its owner within the last second.
+/// What is given to a higher number may have to come down again: where a third server is so near,
+/// also one that is away and may be back, all go to the lower one; who has changed its owner within
+/// the last second does so sooner.
 constexpr Surroundings up_near{8.0, 1.0, true};
 constexpr Surroundings up_near_again{32.0, 1.0, true};
 

@@ -27,6 +27,7 @@ void HandoffShadow::left(const RegionCore& sender, Tick tick, std::span<const De
     ++sampled_;
     Followed followed;
     followed.tick = group.tick;
+    followed.from = departure.from;
     followed.to = departure.to;
     followed.contacts = group.contacts;
     std::set<BodyId> near;
@@ -68,7 +69,9 @@ void HandoffShadow::compare(const Followed& followed, Tick tick, const RegionCor
   if (meets_others(shadow, followed, receiver)) return;
   for (const NewBody& b : followed.group) {
     if (!receiver.hosting().hosts(b.id)) continue;  // Handed on already.
-    jumps_mm_.push_back(1000 * distance(shadow.position(b.id), receiver.physics().position(b.id)));
+    const double mm = 1000 * distance(shadow.position(b.id), receiver.physics().position(b.id));
+    jumps_mm_.push_back(mm);
+    jumps_.push_back({b.id, followed.from, followed.to, tick, mm});
   }
 }
 
@@ -83,6 +86,16 @@ bool HandoffShadow::meets_others(const PhysicsWorld& shadow, const Followed& fol
       if (!own.contains(id)) return true;
   }
   return false;
+}
+
+const HandoffShadow::Jump* HandoffShadow::p99() const {
+  if (jumps_.empty()) return nullptr;
+  std::vector<const Jump*> sorted;
+  for (const Jump& jump : jumps_) sorted.push_back(&jump);
+  const auto at = sorted.begin() + static_cast<std::ptrdiff_t>(0.99 * (sorted.size() - 1.0));
+  std::nth_element(sorted.begin(), at, sorted.end(),
+                   [](const Jump* a, const Jump* b) { return a->mm < b->mm; });
+  return *at;
 }
 
 void HandoffShadow::report(SeedResult& result) const {

@@ -23,6 +23,13 @@ namespace aureole {
 /// every handoff is followed: `sampled_max`.
 class HandoffShadow {
  public:
+  /// How far one body was moved by one handoff.
+  struct Jump {
+    BodyId body;
+    RegionId from, to;
+    Tick tick;  ///< Of the receiver's first step with it.
+    double mm = 0;
+  };
   static constexpr double neighbourhood_m = 2.5;
   static constexpr std::size_t group_max = 120;
   static constexpr std::size_t sampled_max = 400;
@@ -41,12 +48,15 @@ class HandoffShadow {
   void sample_anew() { sampled_ = 0; }
 
   void report(SeedResult& result) const;
+  const std::vector<Jump>& jumps() const { return jumps_; }
   const std::vector<double>& jumps_mm() const { return jumps_mm_; }
+  /// That of 99 % of all, the rest is larger (mm); null if nothing was followed.
+  const Jump* p99() const;
 
  private:
   struct Followed {
     Tick tick;  ///< Of the states.
-    RegionId to;
+    RegionId from, to;
     std::vector<NewBody> group, near;
     std::vector<ContactManifold> contacts;
   };
@@ -59,7 +69,8 @@ class HandoffShadow {
   std::unique_ptr<PhysicsWorld> physics_;  ///< Only its shapes are used.
   std::deque<Followed> followed_;
   std::size_t sampled_ = 0;
-  std::vector<double> jumps_mm_;
+  std::vector<Jump> jumps_;
+  std::vector<double> jumps_mm_;  ///< The same, lengths only.
 };
 
 }  // namespace aureole

@@ -130,7 +130,7 @@ void OwnershipOracle::gained(BodyId id, const SimulatedServer& server, Tick tick
     const bool recovery =
         owner_died || server.is_recovering() ||
         (server.incarnation().value > 1 && tick - servers_[self.value].started < recovery_ticks);
-    const std::uint64_t changes = recovery ? 0 : changes_.add(id, tick);
+    const std::uint64_t changes = recovery ? 0 : changes_.add({id, tick, record.last_owner, self});
     if (changes > changes_per_s_max)
       violate("thrash", tick,
               fmt::format("{} changed its owner {} times within a second, now from r{} to r{}",

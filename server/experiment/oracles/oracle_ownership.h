@@ -40,7 +40,7 @@ class OwnershipOracle {
   /// When it first came into the world.
   std::optional<Tick> born(BodyId id) const;
   /// Changes of owner at or after this tick.
-  std::uint64_t changes_since(Tick tick) const { return changes_.since(tick); }
+  std::vector<OwnerChange> changes_since(Tick tick) const { return changes_.since(tick); }
 
   static constexpr std::int64_t changes_per_s_max = 2;
   static constexpr std::int64_t missing_ticks_max = ticks_from_ms(5000);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <deque>
+#include <iterator>
 #include <map>
 #include <vector>
 
@@ -12,6 +13,12 @@
 
 namespace aureole {
 
+struct OwnerChange {
+  BodyId id;
+  Tick tick;
+  RegionId from, to;
+};
+
 class OwnerChanges {
  public:
   /// Any window of so many ticks counts: one second.
@@ -19,11 +26,12 @@ class OwnerChanges {
 
   /// The body has changed its owner. Returns how often it did in the window that ends now. Ticks
   /// may come a little out of order: servers take them at different moments.
-  std::uint64_t add(BodyId id, Tick tick) {
-    recent_.push_back(tick);
-    while (tick - recent_.front() > 4 * window_ticks) recent_.pop_front();
+  std::uint64_t add(const OwnerChange& change) {
+    const auto& [id, tick, from, to] = change;
+    recent_.push_back(change);
+    while (tick - recent_.front().tick > 4 * window_ticks) recent_.pop_front();
     std::vector<Tick>& own = of_body_[id];
-    std::erase_if(own, [&](Tick t) { return tick - t >= window_ticks; });
+    std::erase_if(own, [&, at = tick](Tick t) { return at - t >= window_ticks; });
     own.push_back(tick);
     max_ = std::max<std::uint64_t>(max_, own.size());
     return own.size();
@@ -31,13 +39,15 @@ class OwnerChanges {
   /// Most changes of one body in one window.
   std::uint64_t max() const { return max_; }
   /// Changes of all bodies at or after this tick, at most four windows ago.
-  std::uint64_t since(Tick tick) const {
-    return static_cast<std::uint64_t>(
-        std::count_if(recent_.begin(), recent_.end(), [&](Tick t) { return t >= tick; }));
+  std::vector<OwnerChange> since(Tick tick) const {
+    std::vector<OwnerChange> late;
+    std::copy_if(recent_.begin(), recent_.end(), std::back_inserter(late),
+                 [&](const OwnerChange& c) { return c.tick >= tick; });
+    return late;
   }
 
  private:
-  std::deque<Tick> recent_;
+  std::deque<OwnerChange> recent_;
   std::map<BodyId, std::vector<Tick>> of_body_;
   std::uint64_t max_ = 0;
 };

@@ -29,6 +29,8 @@ TEST_CASE("the shadow of a handoff knows where the body would have been") {
     for (int t = 1; t <= 5; ++t) receiver.step(Tick{t});
     shadow.stepped(RegionId{1}, Tick{5}, receiver, false);
     REQUIRE(shadow.jumps_mm().size() == 1);
+    REQUIRE(shadow.jumps().front().body == ball);
+    REQUIRE(shadow.p99()->to == RegionId{1});
     REQUIRE(shadow.jumps_mm().front() == Approx(jumps ? 100 : 0).margin(0.01));
   }
 }

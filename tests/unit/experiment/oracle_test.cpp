@@ -160,13 +160,15 @@ TEST_CASE("what was born an instant before its server was killed is rolled back,
 
 TEST_CASE("more than two changes of owner in any second are too many") {
   OwnerChanges changes;
-  REQUIRE(changes.add(BodyId::world(1), Tick{10}) == 1);
-  REQUIRE(changes.add(BodyId::world(2), Tick{11}) == 1);
-  REQUIRE(changes.add(BodyId::world(1), Tick{40}) == 2);
-  REQUIRE(changes.add(BodyId::world(1), Tick{71}) == 3);
-  REQUIRE(changes.add(BodyId::world(1), Tick{72}) == 3);  // The first is a second ago by now.
+  REQUIRE(changes.add({BodyId::world(1), Tick{10}, RegionId{0}, RegionId{1}}) == 1);
+  REQUIRE(changes.add({BodyId::world(2), Tick{11}, RegionId{0}, RegionId{1}}) == 1);
+  REQUIRE(changes.add({BodyId::world(1), Tick{40}, RegionId{0}, RegionId{1}}) == 2);
+  REQUIRE(changes.add({BodyId::world(1), Tick{71}, RegionId{0}, RegionId{1}}) == 3);
+  REQUIRE(changes.add({BodyId::world(1), Tick{72}, RegionId{0}, RegionId{1}}) ==
+          3);  // The first is a second ago by now.
   REQUIRE(changes.max() == 3);
-  REQUIRE(changes.since(Tick{71}) == 2);
+  REQUIRE(changes.since(Tick{71}).size() == 2);
+  REQUIRE(changes.since(Tick{71}).front().id == BodyId::world(1));
 }
 
 TEST_CASE("a body that sleeps in another server's region is not settled") {
@@ -181,6 +183,29 @@ TEST_CASE("a body that sleeps in another server's region is not settled") {
   const SeedResult result = simulation.finish();
   REQUIRE(result.unsettled == 1);
   REQUIRE(told_of(result, "unsettled"));
+}
+
+TEST_CASE("what sleeps abroad is not settled though others move, only what they may touch waits") {
+  struct Case {
+    double mover_x;
+    std::uint64_t unsettled, waits;
+  };
+  // r1 is from -32 to 0; a ball of r2's sleeps in it, another one rolls near to it or far away.
+  for (const Case& c : {Case{20, 1, 0}, Case{-6, 0, 1}}) {
+    WorldDefinition world = layout_world("column4");
+    put_body(world, sphere_prototype, {-5, 0.3, 0}, {0, 0, 0}, Activation::asleep);
+    put_body(world, sphere_prototype, {c.mover_x, 2, 0}, {0, 0, 0});
+    for (WorldBody& body : world.bodies) body.host = RegionId{2};
+    world.bodies[1].state.angular_velocity = {0, 5, 0};
+    Simulation simulation({world, "test", 0}, calm(1));
+    simulation.network().reset(1, 2, 0, 3'600'000'000);
+    for (int t = 0; t < 20; ++t) simulation.tick();
+    const SeedResult result = simulation.finish();
+    INFO("the other one at " << c.mover_x);
+    REQUIRE(result.awake_at_end == 1);
+    REQUIRE(result.unsettled == c.unsettled);
+    REQUIRE(result.rest_not_judged == c.waits);
+  }
 }
 
 TEST_CASE("a message that a core refuses is told of") {
@@ -208,4 +233,33 @@ TEST_CASE("one seed gives one hash, however often it is run; another seed anothe
   const std::uint64_t first = hash(2);
   REQUIRE(hash(2) == first);
   REQUIRE(hash(4) != first);
+}
+
+TEST_CASE("a handoff that moves its bodies is a broken rule without faults, and only then") {
+  const WorldDefinition world = layout_world("column4");
+  for (const FaultKinds faults : {FaultKinds::none, FaultKinds::links}) {
+    SimulationOptions options = calm(1);
+    options.faults = faults;
+    Simulation simulation({world, "test", 0}, options);
+    for (int t = 0; t < 5; ++t) simulation.tick();
+    // A body leaves r0 that r1 has had all the time, 100 mm further on.
+    WorldDefinition one = world;
+    put_body(one, sphere_prototype, {-20, 5, 0}, {4, 0, 0});
+    one.bodies[0].host = RegionId{0};
+    WorldDefinition other = one;
+    other.bodies[0].host = RegionId{1};
+    other.bodies[0].state.position.x += 0.1;
+    RegionCore sender(one, RegionId{0}, Incarnation{1}),
+        receiver(other, RegionId{1}, Incarnation{1});
+    sender.step(Tick{1});
+    receiver.step(Tick{1});
+    HandoffGroup group;
+    group.tick = Tick{1};
+    group.bodies.push_back(
+        {{BodyId::world(0), sphere_prototype, sender.physics().state(BodyId::world(0))}, 1, 0});
+    const std::vector<Departure> departures{{RegionId{0}, RegionId{1}, group}};
+    simulation.shadow().left(sender, Tick{1}, departures, false);
+    simulation.shadow().stepped(RegionId{1}, Tick{1}, receiver, false);
+    REQUIRE(told_of(simulation.finish(), "jump") == (faults == FaultKinds::none));
+  }
 }
