@@ -80,9 +80,9 @@ void RegionCore::foresee_deeds(std::vector<HostedBody>& hosted, Tick now) {
     const AuraCapsule reach = struck_aura(resting_aura(hosted[*body]), speed * reach_s, reach_s);
     // What rests beyond the boundary is not told of before something comes near to it.
     const AuraBox room = reach.box();
-    const bool leaves_home = !audience_of(map_, self_, hosted[*body].position,
-                                          std::max(room.half.x(), room.half.z()))
-                                  .empty();
+    const bool leaves_home =
+        !audience_of(map_, self_, hosted[*body].position, std::max(room.half.x(), room.half.z()))
+             .empty();
     const auto remote = aura_exchange_.remote();
     players_.note_company(avatar->player,
                           leaves_home || std::any_of(remote.begin(), remote.end(), [&](auto& aura) {
