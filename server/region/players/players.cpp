@@ -77,7 +77,7 @@ void Players::command(const PlayerCommand& command, Tick now, bool room, PlayerO
 }
 
 bool Players::in_play(const Avatar& avatar, Tick now) const {
-  return avatar.connected && now - avatar.active <= idle_ticks;
+  return avatar.connected && (avatar.keys != 0 || now - avatar.active <= idle_ticks);
 }
 
 void Players::note_company(PlayerId player, bool company) {
