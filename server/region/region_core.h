@@ -179,6 +179,7 @@ class RegionCore {
   enum class Shown { strip, everything };
   std::vector<HostedBody> hosted_bodies(Tick now, Shown shown);
   MigrationDecision decide(Tick now);
+  void foresee_blasts(std::vector<HostedBody>& hosted, Tick now) const;
   void foresee_deeds(std::vector<HostedBody>& hosted, Tick now);
   void watch_stand_ins(Tick now);
   Hosting::Cut cut() const;

@@ -64,9 +64,24 @@ bool RegionCore::nothing_stirs(Tick now) const {
          c.spawned + c.removed + c.migrations_in + c.migrations_out == changes_at_decision_;
 }
 
+/// Blasts are heard of before they happen: what they will throw comes together until then.
+void RegionCore::foresee_blasts(std::vector<HostedBody>& hosted, Tick now) const {
+  for (const BlastEffect& blast : blasts_) {
+    if (blast.tick <= now) continue;
+    for (HostedBody& body : hosted) {
+      const double gap_m =
+          distance(body.position, blast.position) - body.bounding_radius_m - double{blast.radius_m};
+      if (gap_m > body.motion_speed_mps * reach_time_s(tolerances_.limits())) continue;
+      body.deed_speed_mps = std::max(body.deed_speed_mps, double{blast.speed_mps});
+      body.deed_mass_kg = std::max(body.deed_mass_kg, body.mass_kg);
+    }
+  }
+}
+
 /// What players may do in the next moment with what they carry or throw, so that whoever may be hit
 /// is here before.
 void RegionCore::foresee_deeds(std::vector<HostedBody>& hosted, Tick now) {
+  foresee_blasts(hosted, now);
   double speed = 0, mass = 0;
   for (const Throwable& item : world_.throwables) {
     const double item_kg = double{hosting_.definitions()[item.prototype.value].mass_kg};
@@ -89,8 +104,8 @@ void RegionCore::foresee_deeds(std::vector<HostedBody>& hosted, Tick now) {
                             return overlap(aura.room, reach);
                           }));
     if (!players_.in_play(*avatar, now)) continue;
-    hosted[*body].deed_speed_mps = speed;
-    hosted[*body].deed_mass_kg = mass;
+    hosted[*body].deed_speed_mps = std::max(hosted[*body].deed_speed_mps, speed);
+    hosted[*body].deed_mass_kg = std::max(hosted[*body].deed_mass_kg, mass);
     if (avatar->carried == BodyId{}) continue;
     if (const auto carried = index_of(hosted, avatar->carried)) {
       hosted[*carried].deed_speed_mps = double{AvatarTuning{}.carry_speed_max_mps};

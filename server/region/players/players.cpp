@@ -22,7 +22,7 @@ Players::Players(const WorldDefinition& world, const PartitionMap& map, RegionId
       hosting_(hosting),
       half_height_(avatar_half_height(world.prototypes[world.avatar.value].body)),
       // What players do is sudden: it takes effect T_T ahead, at the same tick on all servers.
-      blast_lead_ticks_(std::llround(total_displacement_s(world.tolerances) / tick_s)),
+      blast_lead_ticks_(std::llround(reach_time_s(world.tolerances) / tick_s)),
       wind_up_ticks_(std::llround(reach_time_s(world.tolerances) / tick_s)) {}
 
 WorldPosition Players::eye(const Avatar& avatar) const {

@@ -35,9 +35,10 @@ class Players {
   /// whose players have been gone for `keep_lost_ticks`, with all that they threw.
   void drive(Tick now, bool room, PlayerOutput& out);
 
-  /// Whether the player has done anything lately, so that a throw or a step may follow at any
-  /// moment: the avatar's aura covers it. What an idle one does is held back for as long as its
-  /// aura needs to be heard of, if there is company: bodies of other servers within its reach.
+  /// Whether the player holds a key or has done anything lately, so that a throw or a step may
+  /// follow at any moment: the avatar's aura covers it. What an idle one does is held back for as
+  /// long as its aura needs to be heard of, if there is company: bodies of other servers, or a
+  /// boundary, within its reach.
   bool in_play(const Avatar& avatar, Tick now) const;
   void note_company(PlayerId player, bool company);
   static constexpr std::int64_t idle_ticks = ticks_from_ms(2'000);
