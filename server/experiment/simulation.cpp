@@ -10,6 +10,7 @@
 #include "server/base/hash.h"
 #include "server/experiment/oracles/oracle_rest.h"
 #include "server/experiment/run_moment.h"
+#include "server/worlds/injector.h"
 
 namespace aureole {
 namespace {
@@ -229,6 +230,15 @@ void Simulation::look() {
                static_cast<double>(foreign) / static_cast<double>(seen_.size()));
 }
 
+/// Whether bodies came into the world in the last second; a run that has come to rest had none.
+bool Simulation::pours() const {
+  return std::any_of(scenario_.world.injectors.begin(), scenario_.world.injectors.end(),
+                     [&](const Injector& injector) {
+                       return injected_count(injector, now_) !=
+                              injected_count(injector, now_ - calm_ticks);
+                     });
+}
+
 bool Simulation::all_run() const {
   return std::all_of(servers_.begin(), servers_.end(),
                      [](const auto& s) { return s.runs() && !s.is_recovering(); });
@@ -266,11 +276,12 @@ void Simulation::judge_jumps() {
 SeedResult Simulation::finish() {
   Tick last = now_;
   for (const SimulatedServer& server : servers_) last = std::min(last, server.last_tick());
-  ownership_.at_end(last, servers_);
+  ownership_.at_end(last, servers_, pours());
   ownership_.report(result_);
   interactions_.report(result_);
   shadow_.report(result_);
-  judge_rest();
+  // A world into which bodies still come never rests.
+  if (!pours()) judge_rest();
   judge_jumps();
   const auto refuse = [&](const std::string& who, const std::vector<std::string>& refusals) {
     for (const std::string& refusal : refusals) {

@@ -73,6 +73,7 @@ class Simulation {
   void look();
   void judge_rest();
   void judge_jumps();
+  bool pours() const;
   bool all_run() const;
   bool all_rest();
   bool players_act(Micros now) const;

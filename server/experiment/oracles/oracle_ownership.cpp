@@ -195,15 +195,18 @@ void OwnershipOracle::lose(BodyId id, Record& record, Tick tick, const std::stri
                       record.last_owner.value, record.missing_since.value));
 }
 
-void OwnershipOracle::at_end(Tick tick, std::span<const SimulatedServer> servers) {
+void OwnershipOracle::at_end(Tick tick, std::span<const SimulatedServer> servers, bool in_flow) {
   for (BodyId id : std::set<BodyId>(missing_)) {
     Record& record = bodies_.at(id);
+    const bool handed_over = in_a_journal(id, servers);
+    const bool flies = handed_over && tick - record.missing_since <= WorldView::flight_ticks_max;
+    if (in_flow && flies) continue;
     if (record.may_vanish)
       ++rolled_back_;
     else
       lose(id, record, tick,
-           in_a_journal(id, servers) ? "is in a journal at the end, and simulated by nobody"
-                                     : "is nowhere at the end");
+           handed_over ? "is in a journal at the end, and simulated by nobody"
+                       : "is nowhere at the end");
   }
   const auto never_born = [&](BodyId id) {
     if (bodies_.contains(id)) return;

@@ -33,7 +33,8 @@ class OwnershipOracle {
   void crashed(RegionId region, Tick tick);
   /// Once a tick; `all_run`: no region is down or recovering.
   void look(Tick tick, std::span<const SimulatedServer> servers, bool all_run);
-  void at_end(Tick tick, std::span<const SimulatedServer> servers);
+  /// `in_flow`: bodies still come into the world, so some may just be on their way in a handoff.
+  void at_end(Tick tick, std::span<const SimulatedServer> servers, bool in_flow);
 
   void report(SeedResult& result) const;
   std::vector<Violation> violations() const { return violations_; }
