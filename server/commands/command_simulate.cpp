@@ -37,14 +37,26 @@ SimulationOptions of_seed(const SimulateOptions& o, std::uint64_t seed) {
   options.network = {static_cast<Micros>(o.latency_ms * 1000),
                      static_cast<Micros>(o.jitter_ms * 1000)};
   options.faults = *fault_kinds_from(o.faults);
+  options.keep_trail = o.check_repeatable;
   return options;
+}
+
+/// As a shell takes it for one word.
+std::string quoted(const std::string& word) {
+  if (word.find_first_not_of(
+          "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-./") ==
+      std::string::npos)
+    return word;
+  std::string out = "'";
+  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
 }
 
 std::string replay_line(const SimulateOptions& o, std::uint64_t seed) {
   return fmt::format(
       "aureole simulate --layout {} --mode {} --seeds 1 --seed {} --seconds {} --latency-ms {} "
       "--jitter-ms {} --faults {} --bodies {}{}",
-      o.layout, o.mode, seed, o.seconds, o.latency_ms, o.jitter_ms, o.faults, o.bodies,
+      quoted(o.layout), o.mode, seed, o.seconds, o.latency_ms, o.jitter_ms, o.faults, o.bodies,
       o.check_repeatable ? " --check-repeatable" : "");
 }
 
@@ -76,7 +88,7 @@ struct Report {
   const SimulateOptions& options;
   RunTotals totals;
   nlohmann::json seeds = nlohmann::json::array(), failures = nlohmann::json::array();
-  std::map<std::uint64_t, std::uint64_t> hashes;  ///< Of seeds whose second run is still out.
+  std::map<std::uint64_t, SeedResult> first_runs;  ///< Of seeds whose second run is still out.
 
   void fail(std::uint64_t seed, const std::string& scenario,
             const std::vector<Violation>& violations) {
@@ -93,23 +105,34 @@ struct Report {
                         {"replay", replay_line(options, seed)}});
   }
 
-  void ended_early(std::uint64_t seed, const std::string& how) {
+  void ended_early(std::uint64_t seed, const std::string& how, std::int64_t tick = 0) {
     ++totals.seeds;
     ++totals.failed_seeds;
     ++totals.ended_early;
-    fail(seed, "ended early", {{"ended early", 0, "the run " + how}});
+    fail(seed, "ended early", {{"ended early", tick, "the run " + how}});
   }
 
   void take(std::uint64_t seed, const ChildOutcome& outcome, bool again) {
-    if (!outcome.ended_well) return again ? mismatch(seed, 0) : ended_early(seed, outcome.how);
+    const std::int64_t tick = std::max<std::int64_t>(outcome.moment.tick, 0);
+    if (!outcome.ended_well && again) {
+      ++totals.hash_mismatches;
+      return fail(seed, "run twice", {{"repeatable", tick, "the other run " + outcome.how}});
+    }
+    if (!outcome.ended_well) return ended_early(seed, outcome.how, tick);
     const auto json = nlohmann::json::parse(outcome.output, nullptr, false);
     if (json.is_discarded()) return ended_early(seed, "said nothing that can be read");
     if (json.contains("error")) return ended_early(seed, json["error"].get<std::string>());
     const auto result = seed_result_from(json);
     if (!result) return ended_early(seed, result.error().message);
     if (options.check_repeatable) {
-      const auto [first, fresh] = hashes.try_emplace(seed, result->hash);
-      if (!fresh && first->second != result->hash) mismatch(seed, result->hash);
+      const auto [first, fresh] = first_runs.try_emplace(seed, *result);
+      if (!fresh) {
+        if (first->second.hash != result->hash) {
+          ++totals.hash_mismatches;
+          fail(seed, "run twice", {tell_difference(first->second, *result)});
+        }
+        first_runs.erase(first);
+      }
     }
     if (again) return;
     totals.add(*result);
@@ -119,13 +142,6 @@ struct Report {
                      {"failed", !result->all_rules_held()},
                      {"cpu_s", result->cpu_s}});
     if (!result->all_rules_held()) fail(seed, result->scenario, result->violations);
-  }
-
-  void mismatch(std::uint64_t seed, std::uint64_t hash) {
-    ++totals.hash_mismatches;
-    fail(seed, "run twice",
-         {{"repeatable", 0,
-           fmt::format("the second run's hash is {:016x}, not the first one's", hash)}});
   }
 
   bool all_held() const {
@@ -139,10 +155,18 @@ nlohmann::json compare(const SimulateOptions& o) {
   for (const Comparison& c : compare_with_single_server(of_any.scenario.mode, of_any.network))
     list.push_back({{"scene", c.scene},
                     {"measure", c.measure},
+                    {"told", describe(c)},
+                    {"where", c.where},
+                    {"handoffs", c.handoffs},
+                    {"stand_ins", c.stand_ins},
                     {"worst", c.worst},
                     {"limit", c.limit},
                     {"held", c.held()}});
   return list;
+}
+
+std::string compare_line(const SimulateOptions& o) {
+  return replay_line(o, o.first_seed) + " --compare-single";
 }
 
 /// The scenes that are also run on one server: in a process of their own, like a seed.
@@ -155,16 +179,16 @@ nlohmann::json compare_in_process(const SimulateOptions& o, RunTotals& totals) {
         if (outcome.ended_well && list.is_array()) return;
         ++totals.compared;
         ++totals.compared_failed;
-        fmt::print("the comparison with one server {}\n", outcome.how);
+        fmt::print("the comparison with one server {}\n  replay: {}\n", outcome.how,
+                   compare_line(o));
         list = nlohmann::json::array();
       });
   for (const auto& c : list) {
     ++totals.compared;
     if (c["held"].get<bool>()) continue;
     ++totals.compared_failed;
-    fmt::print("compared with one server, {}: {:.3f} {}; allowed {}\n",
-               c["scene"].get<std::string>(), c["worst"].get<double>(),
-               c["measure"].get<std::string>(), c["limit"].dump());
+    fmt::print("compared with one server, {}\n  replay: {}\n", c["told"].get<std::string>(),
+               compare_line(o));
   }
   return list;
 }

@@ -179,12 +179,10 @@ std::vector<RegionId> RegionCore::closed_regions() const {
   return closed;
 }
 
-bool RegionCore::waits_for_auras(Tick now) const {
-  return std::any_of(peers_.begin(), peers_.end(), [&](const auto& entry) {
-    const auto& [id, peer] = entry;
-    return id.is_region() && peer.up && !peer.recovering &&
-           !aura_exchange_.has_heard(id.as_region()) && now - peer.up_since <= await_auras_ticks;
-  });
+bool RegionCore::waits_for_auras(RegionId region, Tick now) const {
+  const auto at = peers_.find(PeerId::region(region));
+  return at != peers_.end() && !aura_exchange_.has_heard(region) &&
+         now - at->second.up_since <= await_auras_ticks;
 }
 
 std::uint64_t RegionCore::state_hash() const {

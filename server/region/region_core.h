@@ -143,8 +143,9 @@ class RegionCore {
   static constexpr std::int64_t status_interval_ticks = 16;
   /// A sleeping region decides again at least this often (islands wait their time before they go).
   static constexpr std::int64_t decision_interval_ticks = 8;
-  /// After a link came up nothing is handed over before its peer has told its auras, or this has
-  /// passed: whoever decides without them sends bodies where they cannot stay.
+  /// After a link came up its peer is handed nothing before it has told its auras, or this has
+  /// passed: whoever decides without them sends bodies where they cannot stay. What meets at other
+  /// servers cannot wait for it.
   static constexpr std::int64_t await_auras_ticks = 8;
 
  private:
@@ -192,7 +193,7 @@ class RegionCore {
   std::vector<VersionedBody> passive_copies() const;
   bool has_room(std::size_t more) const;
   bool is_up(RegionId region) const;
-  bool waits_for_auras(Tick now) const;
+  bool waits_for_auras(RegionId region, Tick now) const;
   std::vector<RegionId> closed_regions() const;
   SharedBytes status_frame(Tick now, const ShellMeasurements& measured) const;
   SharedBytes acknowledgement(Peer& peer);

@@ -176,8 +176,8 @@ Hosting::Cut RegionCore::cut() const {
 
 MigrationDecision RegionCore::decide(Tick now) {
   std::vector<bool> linked;
-  for (std::size_t i = 0; i < map_.size(); ++i)
-    linked.push_back(is_up(RegionId{static_cast<std::uint16_t>(i)}) && !waits_for_auras(now));
+  for (std::uint16_t i = 0; i < map_.size(); ++i)
+    linked.push_back(is_up(RegionId{i}) && !waits_for_auras(RegionId{i}, now));
   MigrationDecision decision;
   for (const Shown shown : {Shown::strip, Shown::everything}) {
     const std::vector<HostedBody> hosted = hosted_bodies(now, shown);

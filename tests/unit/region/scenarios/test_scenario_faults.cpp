@@ -3,6 +3,7 @@
 
 #include "tests/support/catch.h"
 #include "tests/support/region_cluster.h"
+#include "tests/unit/region/scenarios/overlap_watch.h"
 
 using namespace aureole;
 using namespace aureole::testing;
@@ -61,6 +62,29 @@ TEST_CASE("a handoff survives two resets in a row at any two moments") {
       REQUIRE(cluster.core(1).statistics().migrations_in == 1);
       REQUIRE(journals_empty(cluster));
     }
+}
+
+TEST_CASE("a link that has come up, and brings nothing yet, holds nothing back between others") {
+  for (int at = 10; at < 34; ++at) {
+    auto world = flat_world(3);
+    const BodyId a = put(world, ball, {42, 0.3, 0}, {15, 0, 0});
+    const BodyId b = put(world, ball, {58, 0.3, 0}, {-15, 0, 0});
+    RegionCluster cluster(world, 1);
+    OverlapWatch watch(world);
+    for (int tick = 0; tick < 64; ++tick) {
+      if (tick == at) {
+        cluster.reset_link(1, 2);
+        cluster.silence(2, 1);
+      }
+      cluster.step();
+      watch.look(cluster, world);
+    }
+    INFO("up again at tick " << at << "; " << watch.worst());
+    REQUIRE(watch.overlaps() == 0);
+    REQUIRE(cluster.owner(a) == cluster.owner(b));
+    REQUIRE(cluster.state(a).linear_velocity.x() < cluster.state(b).linear_velocity.x());
+    REQUIRE(cluster.state(a).position.x < cluster.state(b).position.x);
+  }
 }
 
 TEST_CASE("a sleeping support that is handed away wakes what stood on it, and that falls") {
