@@ -174,4 +174,28 @@ MUTATIONS = [
         "",
         ((REGION, "of two claims to one body the later epoch stays, whichever comes first"),),
     ),
+    Mutation(
+        "known-company",
+        "others' bodies are asked for before it is known who would come with them",
+        "server/aura/adaptive/contests.cpp",
+        "  return met != strangers_.end() && situation_->now - met->second <= round_trip_ticks_;",
+        "  return met != strangers_.end() && situation_->now < met->second;",
+        ((AURA, "nobody asks for a body before its host has said who would come with it"),),
+    ),
+    Mutation(
+        "overtaken-requests",
+        "requests are met that cannot know that the cluster must not change its owner again",
+        "server/aura/adaptive/contests.cpp",
+        "    if (situation_->now - settled_now_.at(asked_for) < round_trip_ticks_) return true;\n",
+        "",
+        ((AURA, "a request that cannot know that its cluster has changed twice waits*"),),
+    ),
+    Mutation(
+        "silent-newcomer",
+        "a link that has come up and brings nothing yet holds back all others",
+        "server/region/region_migration.cpp",
+        "    linked.push_back(is_up(RegionId{i}) && !waits_for_auras(RegionId{i}, now));\n",
+        "    linked.push_back(is_up(RegionId{i}) && !waits_for_auras(RegionId{2}, now));\n",
+        ((REGION, "a link that has come up, and brings nothing yet, holds nothing back*"),),
+    ),
 ]

@@ -124,7 +124,7 @@ class AdaptivePolicy final : public MigrationPolicy {
       if (!body) continue;
       // Who asks does not see all of the cluster: it may reach where it would be fetched on to.
       const Clusters::Number cluster = clusters_.of(*body);
-      if (contests_.is_overtaken(cluster, request.asker)) continue;
+      if (contests_.is_overtaken(cluster, request.body, request.asker)) continue;
       const RegionId lowest = contests_.lowest_around(cluster);
       send(s, cluster, lowest < s.self ? std::min(request.to, lowest) : request.to, leaving);
     }

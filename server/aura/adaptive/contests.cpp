@@ -53,6 +53,8 @@ void Contests::find(const MigrationSituation& s, const Outlook& outlook, Cluster
   around_.clear();
   companies_.clear();
   strangers_now_.clear();
+  settled_.swap(settled_now_);
+  settled_now_.clear();
   contested_.assign(s.hosted.size(), false);
   visitors_.assign(s.hosted.size(), {});
   std::erase_if(given_, [&](const auto& given) { return s.now - given.second.at > hold_ticks_; });
@@ -179,6 +181,7 @@ const Company& Contests::company_of(std::uint32_t body) {
   company.size_class = size_class_of(clusters_->members(cluster).size());
   company.changes = changes_of(cluster);
   company.crowded = is_crowded(cluster);
+  if (company.changes == Company::changes_max) note_settled(cluster);
   return company;
 }
 
@@ -220,12 +223,24 @@ bool Contests::is_stranger(const RemoteAura& aura) const {
   return met != strangers_.end() && situation_->now - met->second <= round_trip_ticks_;
 }
 
-bool Contests::is_overtaken(Clusters::Number cluster, RegionId asker) const {
+/// Since when its members count as such as must not change their owner again.
+void Contests::note_settled(Clusters::Number cluster) {
+  for (const std::uint32_t member : clusters_->members(cluster)) {
+    const BodyId id = situation_->hosted[member].id;
+    const auto known = settled_.find(id);
+    settled_now_.try_emplace(id, known == settled_.end() ? situation_->now : known->second);
+  }
+}
+
+bool Contests::is_overtaken(Clusters::Number cluster, BodyId asked_for, RegionId asker) {
+  if (changes_of(cluster) == Company::changes_max) {
+    note_settled(cluster);
+    if (situation_->now - settled_now_.at(asked_for) < round_trip_ticks_) return true;
+  }
   const auto members = clusters_->members(cluster);
   return std::any_of(members.begin(), members.end(), [&](std::uint32_t member) {
     const HostedBody& body = situation_->hosted[member];
-    return situation_->now - body.changed_owner < round_trip_ticks_ &&
-           (body.came_from == asker || changes_of(body) == Company::changes_max);
+    return situation_->now - body.changed_owner < round_trip_ticks_ && body.came_from == asker;
   });
 }
 

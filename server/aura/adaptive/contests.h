@@ -54,10 +54,10 @@ class Contests {
   /// The lowest server that has anything near a cluster, or on its way, if lower than ours.
   RegionId lowest_around(Clusters::Number cluster);
 
-  /// Whether a server that asks for the cluster cannot have known what has come to it meanwhile: of
-  /// its own bodies, or such as have changed their owner as often as they should. It will ask
+  /// Whether a server that asks for the cluster cannot have known what has come to it meanwhile:
+  /// bodies of its own, or such as have changed their owner as often as they should. It will ask
   /// again, or send its side here.
-  bool is_overtaken(Clusters::Number cluster, RegionId asker) const;
+  bool is_overtaken(Clusters::Number cluster, BodyId asked_for, RegionId asker);
 
   /// Whether a body must be brought together with somebody else's.
   const std::vector<bool>& contested() const { return contested_; }
@@ -87,6 +87,7 @@ class Contests {
   const Surroundings& looks_as(Clusters::Number cluster) const;
   bool is_crowded(Clusters::Number cluster);
   bool is_stranger(const RemoteAura& aura) const;
+  void note_settled(Clusters::Number cluster);
 
   double reach_s_ = 0;
   std::int64_t round_trip_ticks_ = 0;  ///< Until a server hears what is made of its word.
@@ -103,6 +104,8 @@ class Contests {
   /// Auras that meet ours of whose company nothing is known, and since when they do; in the making
   /// for this tick.
   std::map<BodyId, Tick> strangers_, strangers_now_;
+  /// Bodies in clusters that have changed their owner as often as they should, and since when.
+  std::map<BodyId, Tick> settled_, settled_now_;
   std::vector<bool> contested_;
   std::vector<RegionSet> visitors_;
   /// Who hosts something on the way of each body, by the last look ahead; ascending.
