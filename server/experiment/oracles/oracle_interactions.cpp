@@ -65,12 +65,11 @@ void InteractionOracle::follow(Tick tick, const std::vector<SeenBody>& bodies) {
     track.outside = std::max(track.outside, tolerances_.server(b.owner));
     if (b.state.linear_velocity.norm() > world_.tolerances.speed_mps) track.outside = tick;
     const bool known = track.last.id == b.id;
-    if (known && track.last.owner != b.owner) {
+    // Nobody simulated it for longer than a flight takes, wherever it went meanwhile.
+    if (known && tick - track.seen > WorldView::flight_ticks_max) track.outside = tick;
+    if (known && track.last.owner != b.owner)
       track.outside = std::max({track.outside, tolerances_.link(track.last.owner, b.owner),
                                 tolerances_.server(track.last.owner)});
-      // Nobody simulated it for longer than a flight takes.
-      if (tick - track.seen > WorldView::flight_ticks_max) track.outside = tick;
-    }
   }
 }
 

@@ -98,6 +98,29 @@ TEST_CASE("an overlap that two bodies had when they were cut counts only when it
   REQUIRE(oracle.missed() == 1);
 }
 
+TEST_CASE("what nobody has stepped for long is excused, also where it comes back from its flight") {
+  const WorldDefinition world = layout_world("column4");
+  const ToleranceRecord tolerances(4, world.tolerances);
+  const OwnershipOracle ownership(world, 4);
+  for (const std::uint16_t comes_back_to : {1, 2})
+    for (const std::int64_t away :
+         {std::int64_t{1}, WorldView::flight_ticks_max, WorldView::flight_ticks_max + 1}) {
+      InteractionOracle oracle(world, tolerances, ownership);
+      SeenBody a{BodyId::world(0), sphere_prototype, RegionId{0}, {}};
+      SeenBody b{BodyId::world(1), sphere_prototype, RegionId{1}, {}};
+      a.state.position = {0, 1, 0};
+      b.state.position = {0.7, 1, 0};
+      oracle.look(Tick{1}, {a, b});
+      for (std::int64_t t = 2; t < 1 + away; ++t) oracle.look(Tick{t}, {a});
+      b.state.position.x = 0.4;
+      b.owner = RegionId{comes_back_to};
+      oracle.look(Tick{1 + away}, {a, b});
+      INFO("away for " << away << " ticks, back to " << comes_back_to);
+      REQUIRE(oracle.missed() == 1);
+      REQUIRE(oracle.missed_in_tolerance() == (away > WorldView::flight_ticks_max ? 0 : 1));
+    }
+}
+
 TEST_CASE("struck stand-ins are missed interactions, unless the body that strikes is just born") {
   const WorldDefinition world = layout_world("column4");
   ToleranceRecord tolerances(4, world.tolerances);
