@@ -53,8 +53,11 @@ void Contests::find(const MigrationSituation& s, const Outlook& outlook, Cluster
   around_.clear();
   companies_.clear();
   strangers_now_.clear();
-  settled_.swap(settled_now_);
-  settled_now_.clear();
+  if (s.now != settled_at_) {  // A tick may be looked at twice: see MigrationDecision.
+    settled_.swap(settled_now_);
+    settled_now_.clear();
+    settled_at_ = s.now;
+  }
   contested_.assign(s.hosted.size(), false);
   visitors_.assign(s.hosted.size(), {});
   std::erase_if(given_, [&](const auto& given) { return s.now - given.second.at > hold_ticks_; });

@@ -104,8 +104,10 @@ class Contests {
   /// Auras that meet ours of whose company nothing is known, and since when they do; in the making
   /// for this tick.
   std::map<BodyId, Tick> strangers_, strangers_now_;
-  /// Bodies in clusters that have changed their owner as often as they should, and since when.
+  /// Bodies in clusters that have changed their owner as often as they should, and since when; as
+  /// of the tick before, and of this one.
   std::map<BodyId, Tick> settled_, settled_now_;
+  Tick settled_at_{-1'000'000};
   std::vector<bool> contested_;
   std::vector<RegionSet> visitors_;
   /// Who hosts something on the way of each body, by the last look ahead; ascending.

@@ -156,10 +156,14 @@ TEST_CASE("a request that cannot know that its cluster has changed twice waits f
   scene.hosted[1].changed_owner = Tick{-20};
   scene.hosted[1].changed_owner_before = Tick{-30};
   scene.requested = {{name(0), RegionId{0}, RegionId{0}}};
+  const RightPart little(10.5);
   for (const int tick : {0, 9}) REQUIRE(scene.decide(*policy, Tick{tick}).leaving.size() == 1);
   scene.hosted[1].position.z = 0.5;
   for (int tick = 10; tick < 14; ++tick) {
     INFO("tick " << tick);
+    scene.view = &little;
+    REQUIRE(scene.decide(*policy, Tick{tick}).sees_too_little);
+    scene.view = nullptr;
     REQUIRE(scene.decide(*policy, Tick{tick}).leaving.empty());
   }
   // Who still asks knows it, and has not sent its side either.
