@@ -175,14 +175,6 @@ MUTATIONS = [
         ((REGION, "of two claims to one body the later epoch stays, whichever comes first"),),
     ),
     Mutation(
-        "known-company",
-        "others' bodies are asked for before it is known who would come with them",
-        "server/aura/adaptive/contests.cpp",
-        "  return met != strangers_.end() && situation_->now - met->second <= round_trip_ticks_;",
-        "  return met != strangers_.end() && situation_->now < met->second;",
-        ((AURA, "nobody asks for a body before its host has said who would come with it"),),
-    ),
-    Mutation(
         "overtaken-requests",
         "requests are met that cannot know that the cluster must not change its owner again",
         "server/aura/adaptive/contests.cpp",

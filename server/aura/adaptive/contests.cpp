@@ -52,7 +52,6 @@ void Contests::find(const MigrationSituation& s, const Outlook& outlook, Cluster
   meetings_.clear();
   around_.clear();
   companies_.clear();
-  strangers_now_.clear();
   if (s.now != settled_at_) {  // A tick may be looked at twice: see MigrationDecision.
     settled_.swap(settled_now_);
     settled_now_.clear();
@@ -77,13 +76,8 @@ void Contests::find(const MigrationSituation& s, const Outlook& outlook, Cluster
       contested_[body] = true;
       Meetings& meets = meetings_[clusters.of(body)];
       if (meets.empty() || meets.back() != &aura) meets.push_back(&aura);
-      if (aura.company.label == 0) {
-        const auto known = strangers_.find(aura.id);
-        strangers_now_.try_emplace(aura.id, known == strangers_.end() ? s.now : known->second);
-      }
     }
   }
-  strangers_.swap(strangers_now_);
   if (s.now - last_warning_ >= warning_interval_ticks) look_ahead();
   auto warned = warned_.begin();
   for (std::uint32_t i = 0; i < s.hosted.size() && warned != warned_.end(); ++i) {
@@ -218,12 +212,6 @@ bool Contests::is_crowded(Clusters::Number cluster) {
   RegionSet others = around(cluster);
   if (!others.empty()) others.remove(others.lowest());
   return !others.empty();
-}
-
-/// Whether its host has not had the time yet to say who would come with it.
-bool Contests::is_stranger(const RemoteAura& aura) const {
-  const auto met = strangers_.find(aura.id);
-  return met != strangers_.end() && situation_->now - met->second <= round_trip_ticks_;
 }
 
 /// Since when its members count as such as must not change their owner again.
@@ -363,8 +351,6 @@ std::vector<Contests::Verdict> Contests::verdicts() {
   const RegionId self = situation_->self;
   std::vector<Verdict> all;
   for (const Contest& contest : joined_contests()) {
-    const auto is_unknown = [&](const RemoteAura* aura) { return is_stranger(*aura); };
-    if (std::all_of(contest.meets.begin(), contest.meets.end(), is_unknown)) continue;
     RegionSet others;
     for (const Clusters::Number cluster : contest.ours) others.add(around(cluster));
     bool crowded = false, followed = false, meets_lower = false;
@@ -391,8 +377,7 @@ std::vector<Contests::Verdict> Contests::verdicts() {
       remember(contest, verdict.to);
     }
     for (const RemoteAura* aura : contest.meets)
-      if (aura->host > self && aura->host != verdict.to && !is_stranger(*aura))
-        verdict.asked.push_back(aura);
+      if (aura->host > self && aura->host != verdict.to) verdict.asked.push_back(aura);
     all.push_back(std::move(verdict));
   }
   return all;

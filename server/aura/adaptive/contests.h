@@ -22,8 +22,6 @@ namespace aureole {
 ///     changed its owner twice within a second stays. It sends its own or asks for the other's.
 ///     The other one tells it of its side, and waits.
 ///   - Where a third server is near all go to the lowest: around a corner nobody sees everything.
-///   - Nobody asks for what is not known: who would come with it, and how often it has changed its
-///     owner, is told within a round trip.
 class Contests {
  public:
   explicit Contests(const AuraTolerances& tolerances) { set_tolerances(tolerances); }
@@ -86,7 +84,6 @@ class Contests {
   const RegionSet& around(Clusters::Number cluster);
   const Surroundings& looks_as(Clusters::Number cluster) const;
   bool is_crowded(Clusters::Number cluster);
-  bool is_stranger(const RemoteAura& aura) const;
   void note_settled(Clusters::Number cluster);
 
   double reach_s_ = 0;
@@ -101,9 +98,6 @@ class Contests {
   std::vector<std::optional<Company>> companies_;
   /// Around all auras of each other server.
   std::vector<std::optional<AuraBox>> rooms_of_hosts_;
-  /// Auras that meet ours of whose company nothing is known, and since when they do; in the making
-  /// for this tick.
-  std::map<BodyId, Tick> strangers_, strangers_now_;
   /// Bodies in clusters that have changed their owner as often as they should, and since when; as
   /// of the tick before, and of this one.
   std::map<BodyId, Tick> settled_, settled_now_;

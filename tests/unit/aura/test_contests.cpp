@@ -1,7 +1,5 @@
 // Who gets bodies that two servers must bring together: the arbiter's decisions, one look at a
 // time.
-#include <utility>
-
 #include "tests/support/catch.h"
 #include "tests/unit/aura/adaptive_scene.h"
 
@@ -74,35 +72,6 @@ TEST_CASE("who has changed its owner more often stays where it is") {
     scene.remote[0].company.changes = ours ? 1 : 2;
     REQUIRE(scene.decide().leaving.empty() == ours);
   }
-}
-
-TEST_CASE("nobody asks for a body before its host has said who would come with it") {
-  Scene scene;
-  scene.hosted = {awake_at(0, 9.6)};
-  scene.remote = {aura(1, 1, false, 10.3)};
-  const std::uint16_t label = std::exchange(scene.remote[0].company.label, std::uint16_t{0});
-  const auto policy = make_adaptive_policy(AuraTolerances{});
-  const auto decision = scene.decide(*policy, Tick{0});
-  REQUIRE(decision.pulls.empty());
-  REQUIRE(told_of(decision, name(0)) == regions({1}));  // It will be told of ours, and answer.
-  REQUIRE(scene.decide(*policy, Tick{2}).pulls.empty());
-  scene.remote[0].company.label = label;
-  REQUIRE(scene.decide(*policy, Tick{2}).pulls.size() == 1);
-  // A host that never answers is asked all the same.
-  scene.remote[0].company.label = 0;
-  REQUIRE(scene.decide(*policy, Tick{3}).pulls.empty());
-  REQUIRE(scene.decide(*policy, Tick{7}).pulls.empty());
-  REQUIRE(scene.decide(*policy, Tick{8}).pulls.size() == 1);
-}
-
-TEST_CASE("what is not known yet waits, what is known is asked for") {
-  Scene scene;
-  scene.hosted = {awake_at(0, 9.6)};
-  scene.remote = {aura(1, 1, false, 10.3), aura(2, 1, false, 9.5, 0.5)};
-  scene.remote[1].company.label = 0;
-  const auto decision = scene.decide();
-  REQUIRE(decision.pulls.size() == 1);
-  REQUIRE(decision.pulls[0].bodies == std::vector{name(1)});
 }
 
 TEST_CASE("what the arbiter has asked for is not met halfway") {
