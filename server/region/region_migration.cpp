@@ -58,9 +58,16 @@ class ProjectedBodies final : public AuraBodies {
 }  // namespace
 
 bool RegionCore::nothing_stirs(Tick now) const {
+  // What is going to happen to bodies that sleep has to be told of ahead as well.
+  const bool blast_ahead = !blasts_.empty() && blasts_.back().tick > now;
+  const auto avatars = players_.avatars();
+  const bool deeds_ahead = std::any_of(avatars.begin(), avatars.end(), [&](const Avatar* avatar) {
+    return players_.in_play(*avatar, now);
+  });
   const Hosting::Counts& c = hosting_.counts();
-  return hosting_.physics().awake_count() == 0 && handover_requests_.empty() &&
-         !aura_exchange_.has_changed() && now - last_decision_ < decision_interval_ticks &&
+  return hosting_.physics().awake_count() == 0 && !blast_ahead && !deeds_ahead &&
+         handover_requests_.empty() && !aura_exchange_.has_changed() &&
+         now - last_decision_ < decision_interval_ticks &&
          c.spawned + c.removed + c.migrations_in + c.migrations_out == changes_at_decision_;
 }
 

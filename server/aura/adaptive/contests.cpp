@@ -85,6 +85,27 @@ void Contests::find(const MigrationSituation& s, const Outlook& outlook, Cluster
     if (warned != warned_.end() && warned->first == s.hosted[i].id)
       visitors_[i].add(warned->second);
   }
+  remember_visitors();
+}
+
+/// What is handed from one server to another is heard of by a third neither from the one nor from
+/// the other for some ticks: it is still there.
+void Contests::remember_visitors() {
+  std::vector<Visit> visits;
+  visits.reserve(visits_.size() + 16);
+  auto before = visits_.begin();
+  for (std::uint32_t i = 0; i < situation_->hosted.size(); ++i) {
+    const BodyId id = situation_->hosted[i].id;
+    while (before != visits_.end() && before->visited < id) ++before;
+    if (!visitors_[i].empty()) {
+      visits.push_back({id, visitors_[i], situation_->now});
+    } else if (before != visits_.end() && before->visited == id &&
+               situation_->now - before->at <= hold_ticks_) {
+      visitors_[i] = before->visitors;
+      visits.push_back(*before);
+    }
+  }
+  visits_ = std::move(visits);
 }
 
 /// Whoever hosts something on the way of what moves here is told of it: it must not come home into

@@ -59,7 +59,7 @@ class Contests {
 
   /// Whether a body must be brought together with somebody else's.
   const std::vector<bool>& contested() const { return contested_; }
-  /// Hosts of the auras near each body's: they are told of it.
+  /// Hosts of the auras near each body's, lately: they are told of it.
   const std::vector<RegionSet>& visitors() const { return visitors_; }
   /// Of a body whose cluster is known.
   const Company& company_of(std::uint32_t body);
@@ -72,6 +72,7 @@ class Contests {
     Meetings meets;
   };
   void look_ahead();
+  void remember_visitors();
   std::vector<Contest> joined_contests() const;
   std::uint8_t changes_of(const HostedBody& body) const;
   std::uint8_t changes_of(Clusters::Number cluster) const;
@@ -107,6 +108,13 @@ class Contests {
   /// Who hosts something on the way of each body, by the last look ahead; ascending.
   std::vector<std::pair<BodyId, RegionSet>> warned_;
   Tick last_warning_{-1'000'000};
+  /// Who has lately had auras near each body; ascending.
+  struct Visit {
+    BodyId visited;
+    RegionSet visitors;
+    Tick at;
+  };
+  std::vector<Visit> visits_;
   /// Where the arbiter has lately given bodies, ours and others': until they have arrived, whoever
   /// meets them goes there too.
   struct Given {

@@ -39,6 +39,26 @@ TEST_CASE("the higher server waits for the arbiter, and tells it of its side") {
   REQUIRE(told_of(scene.decide(), name(0)).empty());
 }
 
+TEST_CASE(
+    "what would come with a body is told on while whatever was near it is being handed over") {
+  Scene scene;
+  scene.self = 1;
+  const auto policy = make_adaptive_policy(AuraTolerances{});
+  scene.hosted = {awake_at(0, 10.3)};
+  scene.hosted[0].changed_owner = Tick{-5};
+  const std::vector<RemoteAura> near = {aura(1, 0, false, 9.4)};
+  const auto told = [&](int tick) { return scene.decide(*policy, Tick{tick}).projected; };
+  scene.remote = near;
+  REQUIRE(told(0)[0].company.changes == 1);
+  scene.remote = {};  // Its host has sent it on, and the next one's word is not here yet.
+  for (int tick = 1; tick <= 4; ++tick) {
+    INFO("tick " << tick);
+    REQUIRE(told(tick)[0].company.changes == 1);
+    REQUIRE(told(tick)[0].company.label != 0);
+  }
+  REQUIRE(told(20)[0].company.label == 0);
+}
+
 TEST_CASE("the arbiter gives a pair to whoever's region its middle lies in") {
   Scene scene;
   scene.hosted = {awake_at(0, 9.9)};
@@ -262,4 +282,22 @@ TEST_CASE("who has just changed its owner goes at once as far as it may have to"
   REQUIRE(scene.decide().leaving[0].to == RegionId{0});
   scene.hosted[0].changed_owner = Tick{-long_stay_ticks};
   REQUIRE(scene.decide().leaving.empty());
+}
+
+TEST_CASE("who has been followed is not led on to a server that nobody meets yet") {
+  Scene scene;
+  scene.map = columns(4);
+  scene.self = 2;
+  scene.hosted = {awake_at(0, 29.7)};
+  scene.remote = {aura(1, 3, false, 30.3)};
+  scene.remote[0].company.changes = 1;  // Region 1 is 10 m away: near for whoever has moved.
+  auto decision = scene.decide();
+  REQUIRE(decision.leaving.empty());
+  REQUIRE(decision.pulls.size() == 1);
+  REQUIRE(decision.pulls[0].to == RegionId{2});
+  // Where it meets something of that server's already, both go there.
+  scene.remote.push_back(aura(2, 1, false, 29.1));
+  decision = scene.decide();
+  REQUIRE(decision.leaving.size() == 1);
+  REQUIRE(decision.leaving[0].to == RegionId{1});
 }

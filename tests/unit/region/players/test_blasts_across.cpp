@@ -1,0 +1,93 @@
+// A blast throws what lies cut across a boundary as it would on one server.
+#include <algorithm>
+
+#include "tests/support/catch.h"
+#include "tests/support/region_cluster.h"
+#include "tests/unit/region/scenarios/overlap_watch.h"
+
+using namespace aureole;
+using namespace aureole::testing;
+using Kind = PlayerCommand::Kind;
+
+namespace {
+
+constexpr PlayerId me{40};
+constexpr int boundary_m = 12;
+
+/// Two towers face to face, one on each side of the boundary, asleep. Whoever blasts stands so far
+/// away that nothing else of what it does concerns them.
+struct Towers {
+  WorldDefinition world;
+  std::vector<BodyId> boxes;
+
+  explicit Towers(int columns) : world(flat_world(columns, boundary_m)) {
+    world.spawn_points = {{{5.5, 0.95, 0}, 0}};
+    for (const double x : {11.5, 12.5})
+      for (const double y : {0.5, 1.5})
+        boxes.push_back(put(world, box, {x, y, 0}, {0, 0, 0}, Activation::asleep));
+  }
+};
+
+struct Outcome {
+  bool was_cut = false;  ///< When the command came.
+  bool together = true;  ///< While it threw them.
+  std::vector<double> fastest_mps;
+  int overlaps = 0;
+  std::uint64_t struck = 0;
+};
+
+Outcome blast(const Towers& towers, int delay) {
+  RegionCluster cluster(towers.world, delay);
+  std::uint32_t sequence = 0;
+  const auto act = [&](Kind kind, std::optional<int> region = {}) {
+    PlayerCommand command;
+    command.player = me;
+    command.session = 1;
+    command.sequence = ++sequence;
+    command.kind = kind;
+    cluster.command(command, region);
+  };
+  act(Kind::join, 0);
+  cluster.step(40);
+  Outcome out;
+  const auto owner = [&](std::size_t i) { return cluster.owner(towers.boxes[i]); };
+  out.was_cut = owner(0) != owner(2) && owner(1) != owner(3);
+  act(Kind::blast);
+  OverlapWatch watch(towers.world);
+  out.fastest_mps.assign(towers.boxes.size(), 0);
+  for (int tick = 0; tick < 60; ++tick) {
+    const double before = *std::max_element(out.fastest_mps.begin(), out.fastest_mps.end());
+    cluster.step();
+    watch.look(cluster, towers.world);
+    for (std::size_t i = 0; i < towers.boxes.size(); ++i) {
+      if (!owner(i)) continue;
+      const double speed = double{cluster.state(towers.boxes[i]).linear_velocity.norm()};
+      out.fastest_mps[i] = std::max(out.fastest_mps[i], speed);
+    }
+    const double fastest = *std::max_element(out.fastest_mps.begin(), out.fastest_mps.end());
+    if (before < 1 && fastest >= 1)
+      for (std::size_t i = 1; i < towers.boxes.size(); ++i)
+        out.together = out.together && owner(i) && owner(i) == owner(0);
+  }
+  out.overlaps = watch.overlaps();
+  for (std::size_t i = 0; i < towers.world.regions.size(); ++i)
+    out.struck += cluster.core(static_cast<int>(i)).statistics().struck_stand_ins;
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("what a blast will throw out of a cut is on one server before it happens") {
+  const Outcome one = blast(Towers(1), 0);
+  REQUIRE(one.fastest_mps[3] > 1);
+  for (const int delay : {0, 1}) {
+    const Outcome two = blast(Towers(2), delay);
+    INFO("delay " << delay);
+    REQUIRE(two.was_cut);
+    CHECK(two.together);
+    CHECK(two.overlaps == 0);
+    CHECK(two.struck == 0);
+    for (std::size_t i = 0; i < one.fastest_mps.size(); ++i)
+      CHECK(two.fastest_mps[i] == Approx(one.fastest_mps[i]).epsilon(0.05));
+  }
+}
