@@ -113,6 +113,8 @@ Status RegionSubscriber::on_status(RegionId from, const Frame& frame) {
   report.unacknowledged = status->unacknowledged();
   report.outside = std::move(*outside);
   report.tolerance_events = status->tolerance_events();
+  report.missed_blows = status->missed_blows();
+  report.whole_looks = status->whole_looks();
   report.recovering = status->recovering();
   return Ok{};
 }

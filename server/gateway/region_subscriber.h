@@ -31,6 +31,7 @@ struct RegionReport {
   /// Tolerances that are not kept now, of each kind the worst; see Tolerances::outside().
   std::vector<ToleranceEvent> outside;
   std::uint64_t tolerance_events = 0;
+  std::uint64_t missed_blows = 0, whole_looks = 0;
   bool recovering = false;  ///< Started again after a death; simulates nothing yet.
 };
 

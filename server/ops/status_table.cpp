@@ -37,6 +37,7 @@ RegionStatus region_from(const nlohmann::json& json) {
   out.migrations_in = json.at("migrations_in").get<std::int64_t>();
   out.migrations_out = json.at("migrations_out").get<std::int64_t>();
   out.skipped_ticks = json.value("skipped_ticks", std::int64_t{0});
+  out.missed_blows = json.value("missed_blows", std::int64_t{0});
   if (const auto outside = json.find("outside"); outside != json.end())
     for (const auto& mark : *outside) out.outside.push_back(mark_from(mark));
   return out;
@@ -92,6 +93,11 @@ std::string status_table(const WorldStatus& status) {
           fmt::format("! {} is outside its {} tolerance{} since tick {}: {:.1f} {}, at most {:g}\n",
                       r.name, mark.tolerance, mark.peer.empty() ? "" : " towards " + mark.peer,
                       mark.since_tick, mark.value, mark.unit, mark.limit);
+  for (const auto& r : status.regions)
+    if (r.missed_blows > 0)
+      out +=
+          fmt::format("! {} has missed {} blows on other regions' resting bodies since its start\n",
+                      r.name, r.missed_blows);
   return out;
 }
 

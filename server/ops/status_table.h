@@ -26,6 +26,7 @@ struct RegionStatus {
   double frame_ms_p50 = 0, frame_ms_max = 0;
   std::int64_t migrations_in = 0, migrations_out = 0;
   std::int64_t skipped_ticks = 0;  ///< Left out since its start, because it was behind.
+  std::int64_t missed_blows = 0;   ///< That reached only copies of others' resting bodies.
   std::vector<ToleranceMark> outside;
 };
 

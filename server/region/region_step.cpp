@@ -308,7 +308,7 @@ SharedBytes RegionCore::status_frame(Tick now, const ShellMeasurements& measured
                                measured.frame_us_max, s.migrations_in, s.migrations_out,
                                measured.overruns, measured.skipped_ticks, s.removed_strays,
                                static_cast<std::uint32_t>(s.unacknowledged), recovering(),
-                               outside_at, s.tolerance_events),
+                               outside_at, s.tolerance_events, s.struck_stand_ins, s.whole_looks),
       FrameType::region_status));
 }
 

@@ -60,6 +60,8 @@ Json json_of(const RegionReport& report, const std::string& name, const WorldDef
           {"unacknowledged", report.unacknowledged},
           {"outside", std::move(outside)},
           {"tolerance_events", report.tolerance_events},
+          {"missed_blows", report.missed_blows},
+          {"whole_looks", report.whole_looks},
           {"recovering", report.recovering}};
 }
 

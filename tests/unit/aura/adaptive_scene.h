@@ -44,8 +44,11 @@ inline HostedBody awake_at(int n, double x, double z = 0) {
 
 /// As another server would project such a body; its cluster is its own.
 inline RemoteAura aura(int n, std::uint16_t host, bool asleep, double x, double z = 0) {
-  RemoteAura remote{name(n), RegionId{host}, {{x, 1, z}, {0, 0, 0}, 0.38}, asleep};
-  remote.resting = asleep;
+  RemoteAura remote;
+  remote.id = name(n);
+  remote.host = RegionId{host};
+  remote.room = {{x, 1, z}, {0, 0, 0}, 0.38};
+  remote.asleep = remote.resting = asleep;
   remote.speed_mps = asleep ? 0 : 0.2;
   remote.company.label = static_cast<std::uint16_t>(n + 100);
   return remote;

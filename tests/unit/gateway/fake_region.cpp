@@ -121,6 +121,7 @@ void FakeRegion::publish_status() {
   status.add_tick(tick_);
   status.add_outside(outside);
   status.add_tolerance_events(options_.outside.size());
+  status.add_missed_blows(options_.missed_blows);
   const auto frame = std::make_shared<const Bytes>(
       finish_frame(builder, status.Finish(), FrameType::region_status));
   for (const PeerId gateway : gateways_) links_->send(gateway, frame);

@@ -28,6 +28,7 @@ class FakeRegion {
     int moving = 0;
     bool applies = true;                            ///< Whether commands are applied at all.
     std::vector<wire::ToleranceMark> outside = {};  ///< Told with its status.
+    std::uint64_t missed_blows = 0;
   };
   FakeRegion(const WorldDefinition& world, Options options);
   ~FakeRegion();

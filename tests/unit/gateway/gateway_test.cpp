@@ -1,118 +1,11 @@
 // A whole gateway, with its renderer, between made-up regions and headless players.
-#include "server/gateway/gateway.h"
-
-#include <boost/asio/executor_work_guard.hpp>
-#include <boost/asio/post.hpp>
 #include <cmath>
-#include <nlohmann/json.hpp>
-#include <thread>
 
 #include "renderer/jpeg_encoder.h"
-#include "server/gateway/web/view_client.h"
-#include "tests/support/catch.h"
-#include "tests/support/http_exchange.h"
-#include "tests/unit/gateway/fake_region.h"
-#include "tests/unit/gateway/small_world.h"
+#include "tests/unit/gateway/running_gateway.h"
 
 using namespace aureole;
 using namespace aureole::test;
-using Json = nlohmann::json;
-
-namespace {
-
-const WorldDefinition& world() {
-  static const WorldDefinition small = small_world();
-  return small;
-}
-
-/// A gateway on a thread of its own.
-class RunningGateway {
- public:
-  explicit RunningGateway(std::vector<PeerAddress> regions, int max_players = 8)
-      : gateway_(
-            std::make_unique<Gateway>(io_, world(), options(std::move(regions), max_players))) {
-    const auto port = gateway_->start();
-    if (!port) FAIL(port.error().message);
-    at = {"127.0.0.1", *port};
-    thread_ = std::thread([this] { io_.run(); });
-  }
-  ~RunningGateway() {
-    boost::asio::post(io_, [this] { gateway_->stop(); });
-    work_.reset();
-    thread_.join();  // run() returns by itself: nothing of the gateway goes on after stop()
-  }
-
-  Json status() const { return Json::parse(get("/api/status").body); }
-  HttpAnswer get(const std::string& path) const {
-    auto answer = http_get_from(at, path);
-    REQUIRE(answer);
-    return *answer;
-  }
-  /// Asks until the answer is as wanted; the clock only ends a test that would hang.
-  void wait_until_healthy() const {
-    wait_for([&] { return get("/healthz").status == 200; });
-  }
-  template <class Condition>
-  static void wait_for(Condition condition) {
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-    while (!condition()) {
-      if (std::chrono::steady_clock::now() > give_up) FAIL("waited for too long");
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-  }
-
-  Endpoint at;
-
- private:
-  static GatewayOptions options(std::vector<PeerAddress> regions, int max_players) {
-    GatewayOptions o;
-    o.number = 5;
-    o.incarnation = Incarnation{1};
-    o.listen = {"127.0.0.1", 0};
-    o.regions = std::move(regions);
-    o.render_threads = 1;
-    o.max_players = max_players;
-    return o;
-  }
-  boost::asio::io_context io_;
-  boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_ =
-      boost::asio::make_work_guard(io_);
-  std::unique_ptr<Gateway> gateway_;
-  std::thread thread_;
-};
-
-/// Both regions and a gateway that has heard all of them.
-struct Stage2 {
-  FakeRegion west{world(), {.id = RegionId{0}, .bodies = 40, .moving = 2}};
-  FakeRegion east{world(), {.id = RegionId{1}, .bodies = 30, .moving = 0}};
-  RunningGateway gateway{{west.address(), east.address()}};
-  Stage2() { gateway.wait_until_healthy(); }
-
-  ViewClientOptions client(const std::string& token = {}) const {
-    ViewClientOptions o;
-    o.gateway = gateway.at;
-    o.token = token;
-    return o;
-  }
-};
-
-Json welcome_of(ViewClient& client) {
-  const auto text = client.wait_for_text("\"welcome\"");
-  REQUIRE(text);
-  return Json::parse(*text);
-}
-
-PlayerId player_in(const Json& welcome) {
-  return PlayerId{welcome["player"].get<std::uint32_t>()};
-}
-
-bool applied_kind(const FakeRegion& region, wire::CommandKind kind) {
-  for (const auto& command : region.applied())
-    if (command.kind() == kind) return true;
-  return false;
-}
-
-}  // namespace
 
 TEST_CASE("A player joins, is welcomed, and sees pictures of the size asked for") {
   Stage2 stage;
@@ -305,61 +198,6 @@ TEST_CASE("Grabbing takes the body in the crosshair, then lets go; and says when
   client.send(R"({"type":"action","seq":3,"action":"grab","yaw":0,"pitch":0})");
   REQUIRE(client.wait_for_text("\"carrying\":false"));
   REQUIRE(stage.west.applied().back().target() == 0);
-}
-
-TEST_CASE("A tolerance that a region does not keep is in the status with its peer and its tick") {
-  FakeRegion west(
-      world(),
-      {.id = RegionId{0}, .bodies = 1, .outside = {{625, 5.25, 2, 1, 1}, {630, 40, 32, 0, 0}}});
-  // One that cannot be: there is no region 7. It costs the link, and nobody else anything.
-  FakeRegion east(world(), {.id = RegionId{1}, .outside = {{625, 5.25, 2, 7, 1}}});
-  RunningGateway gateway({west.address(), east.address()});
-  RunningGateway::wait_for([&] { return !gateway.status()["regions"][0]["outside"].empty(); });
-  const Json region = gateway.status()["regions"][0];
-  REQUIRE(region["tolerance_events"] == 2);
-  const Json latency = {{"tolerance", "latency"}, {"peer", "east"}, {"since_tick", 625},
-                        {"value", 5.25},          {"limit", 2.0},   {"unit", "ms"}};
-  REQUIRE(region["outside"][0] == latency);
-  REQUIRE(region["outside"][1]["tolerance"] == "speed");
-  REQUIRE(region["outside"][1]["peer"].is_null());
-  RunningGateway::wait_for([&] { return gateway.status()["regions"][1]["up"] == false; });
-  REQUIRE(gateway.status()["regions"][1]["outside"].empty());
-}
-
-TEST_CASE("Health and status say which regions are there and what they report") {
-  FakeRegion west(world(), {.id = RegionId{0}, .bodies = 5});
-  FakeRegion absent(world(), {.id = RegionId{1}});
-  PeerAddress nobody = absent.address();
-  nobody.at.port = 1;  // nothing listens there
-  RunningGateway gateway({west.address(), nobody});
-  RunningGateway::wait_for([&] { return gateway.get("/healthz").body == "missing: east\n"; });
-  REQUIRE(gateway.get("/healthz").status == 503);
-  RunningGateway::wait_for([&] { return gateway.status()["bodies"] == 5; });
-  const Json status = gateway.status();
-  REQUIRE(status["world_time_s"].is_number());
-  REQUIRE(status["players"] == 0);
-  REQUIRE(status["complete"] == false);
-  REQUIRE(status["regions"].size() == 2);
-  REQUIRE(status["regions"][0]["name"] == "west");
-  REQUIRE(status["regions"][0]["up"] == true);
-  REQUIRE(status["regions"][1]["up"] == false);
-  for (const char* key : {"bodies", "awake", "frame_ms_p50", "frame_ms_max", "migrations_in",
-                          "migrations_out", "overruns", "skipped_ticks"})
-    REQUIRE(status["regions"][0][key].is_number());
-
-  REQUIRE(status["regions"][0]["outside"].empty());
-
-  // A new player needs the region of the spawn point only; one who may be anywhere has to wait.
-  ViewClientOptions o;
-  o.gateway = gateway.at;
-  ViewClient fresh(o);
-  REQUIRE(fresh.connect());
-  (void)welcome_of(fresh);
-  o.token = "0123456789abcdef0123456789abcdef";
-  ViewClient returning(o);
-  REQUIRE(returning.connect());
-  REQUIRE(fresh.wait_for_pictures(fresh.pictures() + 30));
-  REQUIRE_FALSE(returning.wait_for_text("\"welcome\"", 0.1));
 }
 
 TEST_CASE("Tools get all bodies and pictures from any camera, the same pixels each time") {
