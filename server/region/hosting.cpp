@@ -61,12 +61,17 @@ void Hosting::spawn(std::span<const NewBody> bodies, std::uint32_t epoch) {
             .second)
       born.push_back(body);
   physics_.add(born);
-  std::vector<BodyId> sleepers;
-  for (const NewBody& body : born)
-    if (body.state.activation == Activation::asleep) sleepers.push_back(body.id);
-  physics_.find_contacts(sleepers);
+  find_contacts_of_sleepers(born);
   for (const NewBody& body : born) publisher_.body_gained(body.id, version(body.id));
   counts_.spawned += born.size();
+}
+
+/// They would not be looked for before the sleepers wake.
+void Hosting::find_contacts_of_sleepers(std::span<const NewBody> bodies) {
+  std::vector<BodyId> sleepers;
+  for (const NewBody& body : bodies)
+    if (body.state.activation == Activation::asleep) sleepers.push_back(body.id);
+  physics_.find_contacts(sleepers);
 }
 
 void Hosting::remove(std::span<const BodyId> ids) {
@@ -226,11 +231,7 @@ void Hosting::claim(std::span<const HandoffGroup::Body> bodies, Tick now) {
                      Record{body.epoch, now, now - body.still_ticks, never_changed, self_});
   }
   physics_.add(claimed);
-  // Their contacts died with their owner; a sleeper's would not be looked for before it wakes.
-  std::vector<BodyId> sleepers;
-  for (const NewBody& body : claimed)
-    if (body.state.activation == Activation::asleep) sleepers.push_back(body.id);
-  physics_.find_contacts(sleepers);
+  find_contacts_of_sleepers(claimed);  // Theirs died with their owner.
   for (const NewBody& body : claimed) publisher_.body_gained(body.id, version(body.id));
   counts_.recovered += claimed.size();
 }

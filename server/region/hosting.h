@@ -93,6 +93,7 @@ class Hosting {
     RegionId came_from;
     Tick looked_at = born_now;  ///< When it was last looked at; whoever comes is looked at.
   };
+  void find_contacts_of_sleepers(std::span<const NewBody> bodies);
   void bring_neighbours(HandoffGroup& group, Tick now) const;
   std::vector<BodyId> holding_up(const HandoffGroup& group, Tick now) const;
 

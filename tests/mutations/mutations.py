@@ -162,7 +162,7 @@ MUTATIONS = [
         "claimed-sleepers",
         "what sleepers lean on is not looked for when a recovery claims them",
         "server/region/hosting.cpp",
-        "  physics_.find_contacts(sleepers);\n",
+        "  find_contacts_of_sleepers(claimed);  // Theirs died with their owner.\n",
         "",
         ((REGION, "a sleeper that was claimed knows what it leans on"),),
     ),
@@ -204,7 +204,7 @@ MUTATIONS = [
         "server/region/region_migration.cpp",
         "!blast_ahead && ",
         "",
-        ((REGION, "what a blast will throw out of a cut*"),),
+        ((REGION, "what a blast will throw far from whoever blasts*"),),
     ),
     Mutation(
         "led-on",
