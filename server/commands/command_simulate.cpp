@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 
 #include "server/commands/commands.h"
@@ -25,6 +26,7 @@ struct SimulateOptions {
   std::uint64_t first_seed = 1;
   double seconds = 20, latency_ms = 2, jitter_ms = 1;
   int bodies = 300;
+  std::optional<double> latency_tolerance_ms;
   bool check_repeatable = false;
   bool compare_single = true;
   int jobs = 0;
@@ -33,7 +35,8 @@ struct SimulateOptions {
 
 SimulationOptions of_seed(const SimulateOptions& o, std::uint64_t seed) {
   SimulationOptions options;
-  options.scenario = {o.layout, *migration_mode_from(o.mode), seed, o.seconds, o.bodies};
+  options.scenario = {o.layout, *migration_mode_from(o.mode), seed, o.seconds,
+                      o.bodies, o.latency_tolerance_ms};
   options.network = {static_cast<Micros>(o.latency_ms * 1000),
                      static_cast<Micros>(o.jitter_ms * 1000)};
   options.faults = *fault_kinds_from(o.faults);
@@ -53,11 +56,13 @@ std::string quoted(const std::string& word) {
 }
 
 std::string replay_line(const SimulateOptions& o, std::uint64_t seed) {
-  return fmt::format(
+  std::string line = fmt::format(
       "aureole simulate --layout {} --mode {} --seeds 1 --seed {} --seconds {} --latency-ms {} "
-      "--jitter-ms {} --faults {} --bodies {}{}",
-      quoted(o.layout), o.mode, seed, o.seconds, o.latency_ms, o.jitter_ms, o.faults, o.bodies,
-      o.check_repeatable ? " --check-repeatable" : "");
+      "--jitter-ms {} --faults {} --bodies {}",
+      quoted(o.layout), o.mode, seed, o.seconds, o.latency_ms, o.jitter_ms, o.faults, o.bodies);
+  if (o.latency_tolerance_ms)
+    line += fmt::format(" --latency-tolerance {}", *o.latency_tolerance_ms);
+  return line + (o.check_repeatable ? " --check-repeatable" : "");
 }
 
 /// A line on stderr: rewritten in place on a terminal, every 10 s elsewhere.
@@ -283,6 +288,10 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->add_option("--bodies", o->bodies, "Bodies of a built-in layout, about")
       ->capture_default_str()
       ->check(CLI::Range(1, 20'000));
+  command
+      ->add_option("--latency-tolerance", o->latency_tolerance_ms,
+                   "ms, the longest latency that auras reckon with (else the world's)")
+      ->check(CLI::Range(0.0, 1000.0));
   command->add_option("--json", o->json, "Write totals and failures to this file");
   command->add_flag("--check-repeatable", o->check_repeatable,
                     "Run each seed twice and compare their hashes");

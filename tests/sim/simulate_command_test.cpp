@@ -120,6 +120,21 @@ TEST_CASE(
   for (std::size_t n = 0; n < told.size(); ++n) CHECK(told_again[n] == told[n]);
 }
 
+TEST_CASE("messages of two ticks are judged like any others where the tolerance allows for them") {
+  const Folder folder;
+  for (const bool allowed : {false, true}) {
+    const std::string report = folder.file("report.json");
+    Running run = simulate(small + ("--seeds 1 --latency-ms 13 --no-compare-single --json " +
+                                    report + (allowed ? " --latency-tolerance 15" : "")));
+    const std::string end = run.wait_for_end(120);
+    INFO(run.all());
+    REQUIRE(end == "exit code 0");
+    const nlohmann::json json = read(report);
+    CHECK((json["tolerance_events"] == 0) == allowed);
+    CHECK(json["migrations"] > 0);
+  }
+}
+
 TEST_CASE("a world file can be simulated, also one into which bodies pour until the end") {
   const Folder folder;
   for (const double duration_s : {3.0, 300.0}) {

@@ -227,6 +227,8 @@ Result<Scenario> make_scenario(const ScenarioOptions& options) {
     scenario.players = options.seed % 2 == 0 ? 1 : 0;
   }
   scenario.world.mode = options.mode;
+  if (options.latency_tolerance_ms)
+    scenario.world.tolerances.latency_ms = *options.latency_tolerance_ms;
   return scenario;
 }
 

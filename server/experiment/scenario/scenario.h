@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,6 +19,7 @@ struct ScenarioOptions {
   std::uint64_t seed = 1;
   double seconds = 20;
   int bodies = 300;  ///< Of built-in layouts; a file's world comes as it is.
+  std::optional<double> latency_tolerance_ms = {};  ///< Instead of the world's.
 };
 
 struct Scenario {
