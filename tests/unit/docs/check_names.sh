@@ -1,7 +1,6 @@
 #!/bin/sh
 # Every row of the table in docs/paper-to-code.md names files that exist and names that stand in their
-# code,
-# and every equation, algorithm and section of the paper has a row.
+# code, and every equation, algorithm and section of the paper has a row.
 #   check_names.sh REPOSITORY
 set -eu
 cd "$1"
