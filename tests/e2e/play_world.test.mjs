@@ -1,26 +1,25 @@
 // The whole thing: `aureole play` with a real browser. Pictures come, W walks, a thrown ball
 // crosses a boundary.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
+import { test } from "node:test";
 import {
   look_at,
   position_of,
   distance,
   stand_still,
   throw_once,
-  wait_for_status,
   walk_until,
   yaw_towards,
 } from "./support/avatar.mjs";
 import {
   keep_screenshot,
-  launch_browser,
-  open_page,
   picture_difference,
   picture_pixels,
+  quiet_picture,
   statistics_of,
   wait_for_pictures,
 } from "./support/browser.mjs";
+import { play_fixture } from "./support/play_fixture.mjs";
 import {
   api_status,
   eventually,
@@ -29,37 +28,9 @@ import {
   migrations_of,
   pause,
   replicas,
-  start_play,
 } from "./support/world.mjs";
 
-let browser = null;
-let world = null;
-before(async () => {
-  world = await start_play();
-  browser = await launch_browser();
-});
-after(async () => {
-  await browser?.close();
-  await world?.stop();
-});
-
-/**
- * Opens the page, waits until it plays, runs the test, and checks that the page complained about
- * nothing.
- */
-async function playing(run) {
-  const { page, complaints } = await open_page(browser, `${world.url}/?autostart`);
-  try {
-    await wait_for_pictures(page);
-    await wait_for_status(page);
-    await run(page);
-    const known = await statistics_of(page);
-    assert.deepEqual(complaints, [], "the page wrote errors or warnings to the console");
-    assert.equal(known.bad_messages, 0, `the page skipped a message: ${known.last_problem}`);
-  } finally {
-    await page.context().close();
-  }
-}
+const { playing, url } = play_fixture();
 
 test("the page loads, pictures arrive and are decoded, and the numbers agree with /api/status", async () => {
   await playing(async (page) => {
@@ -71,7 +42,7 @@ test("the page loads, pictures arrive and are decoded, and the numbers agree wit
       [known.last_picture.width, known.last_picture.height],
       [known.view.width, known.view.height],
     );
-    const status = await api_status(world.url);
+    const status = await api_status(url());
     assert.equal(status.regions.length, 4);
     assert.ok(
       status.regions.every((region) => region.up),
@@ -110,14 +81,7 @@ test("world time runs, and the pictures show it running", async () => {
 test("W moves the avatar and changes the picture; standing still does neither", async () => {
   await playing(async (page) => {
     const start = await stand_still(page);
-    // Other players' avatars may still come to rest, or be taken away, within the view.
-    let picture = null;
-    let idle = Infinity;
-    for (let attempt = 0; attempt < 4 && idle > 1; attempt++) {
-      picture = await picture_pixels(page);
-      await pause(1500);
-      idle = picture_difference(picture, await picture_pixels(page));
-    }
+    const { picture, change: idle } = await quiet_picture(page);
     assert.ok(distance(start, await position_of(page)) < 0.1, "the avatar moved by itself");
 
     await walk_until(page, (position) => distance(position, start) > 1.5);
@@ -154,10 +118,10 @@ test("a thrown ball crosses the boundary that the avatar faces", async () => {
     await look_at(page, yaw_towards(here, [-side * 20, here[1], here[2]]), 0.1);
 
     // What the world began with may still be on its way home: until nobody goes any more.
-    let before = await api_status(world.url);
+    let before = await api_status(url());
     for (let looks = 0; looks < 20; looks++) {
       await pause(3000);
-      const after = await api_status(world.url);
+      const after = await api_status(url());
       const quiet = migrations_of(after) === migrations_of(before);
       before = after;
       if (quiet) break;
@@ -170,11 +134,11 @@ test("a thrown ball crosses the boundary that the avatar faces", async () => {
     }
     // Not all bodies: avatars of earlier tests may leave the world meanwhile.
     await eventually(
-      async () => (await replicas(world.url)).filter(is_thrown).length >= balls,
+      async () => (await replicas(url())).filter(is_thrown).length >= balls,
       `${balls} balls to be in the world`,
     );
     await eventually_status(
-      world.url,
+      url(),
       "balls to be handed over",
       (status) => migrations_of(status) >= migrations_of(before) + 3,
     );
@@ -183,7 +147,7 @@ test("a thrown ball crosses the boundary that the avatar faces", async () => {
     const across = side < 0 ? "east" : "west";
     const crossed = await eventually(
       async () => {
-        const balls_across = (await replicas(world.url)).filter(
+        const balls_across = (await replicas(url())).filter(
           (body) => is_thrown(body) && body.position[0] * side < -0.6,
         );
         return balls_across.length > 0 && balls_across.every((body) => body.owner.endsWith(across));
@@ -192,22 +156,5 @@ test("a thrown ball crosses the boundary that the avatar faces", async () => {
     );
     assert.ok(crossed);
     await keep_screenshot(page, "play-thrown");
-  });
-});
-
-test("B and C change the picture and back", async () => {
-  await playing(async (page) => {
-    await stand_still(page);
-    const plain = await picture_pixels(page);
-    await page.keyboard.press("KeyC");
-    await pause(1500);
-    const coloured = picture_difference(plain, await picture_pixels(page));
-    await page.keyboard.press("KeyC");
-    await pause(1500);
-    const again = picture_difference(plain, await picture_pixels(page));
-    assert.ok(
-      coloured > 2 * again + 0.1,
-      `region colours changed the picture by ${coloured.toFixed(2)}, taking them off left ${again.toFixed(2)}`,
-    );
   });
 });

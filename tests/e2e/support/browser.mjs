@@ -143,6 +143,19 @@ export function picture_difference(a, b) {
   return a.reduce((sum, value, i) => sum + Math.abs(value - b[i]), 0) / a.length;
 }
 
+/**
+ * A picture in which little moves, and by how much it still changes in a second and a half: others'
+ * avatars come to rest or are taken away, and what was thrown rolls on.
+ */
+export async function quiet_picture(page) {
+  for (let attempt = 0; ; attempt++) {
+    const picture = await picture_pixels(page);
+    await new Promise((resolve) => setTimeout(resolve, 1500));
+    const change = picture_difference(picture, await picture_pixels(page));
+    if (change < 0.2 || attempt === 12) return { picture, change };
+  }
+}
+
 /** Keeps a screenshot as an artefact, if AUREOLE_ARTEFACTS names a folder. */
 export async function keep_screenshot(page, name) {
   const folder = process.env.AUREOLE_ARTEFACTS;
