@@ -2,6 +2,7 @@
 #include "server/aura/adaptive/blow_forecast.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "server/aura/adaptive/aura_size.h"
 
@@ -46,6 +47,8 @@ void BlowForecast::strike(const HostedBody& struck, std::uint32_t index, const B
   hardest.after_s = after_s;
   expected_mps = std::max(expected_mps, speed_mps);
   disturb(index, speed_mps, blow.after_s);
+  // Who waits already passes on the hardest that it will have taken by then.
+  if (std::exchange(waits_[index], true)) return;
   front_.push_back(index);
 }
 
@@ -56,6 +59,7 @@ void BlowForecast::compute(const MigrationSituation& s, const Motion& motion, Fo
   forecast.expected_mps.assign(count, 0.0);
   forecast.way_m.assign(count, 0.0);
   blows_.assign(count, {});
+  waits_.assign(count, false);
   front_.clear();
   for (std::uint32_t i = 0; i < count; ++i) forecast.expected_mps[i] = std::max(moving_mps[i], 0.0);
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -129,6 +133,7 @@ void BlowForecast::look_around(const MigrationSituation& s, const OverlapGrid& g
 void BlowForecast::pass_on(const MigrationSituation& s, const OverlapGrid& grid) {
   for (std::size_t k = 0; k < front_.size(); ++k) {
     const std::uint32_t from = front_[k];
+    waits_[from] = false;
     const HostedBody& body = s.hosted[from];
     const Blow taken = blows_[from];
     const double speed_mps = forecast_->expected_mps[from];

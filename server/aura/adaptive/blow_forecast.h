@@ -68,6 +68,7 @@ class BlowForecast {
   Forecast* forecast_ = nullptr;      ///< Within compute().
   std::vector<Blow> blows_;           ///< The hardest that each body may take.
   std::vector<std::uint32_t> front_;  ///< Bodies whose blow has not been passed on yet.
+  std::vector<char> waits_;           ///< Whether it is in what is left of the front.
   std::vector<std::uint32_t> found_;
   std::vector<std::uint32_t> touched_, near_;  ///< Of the body in work.
   std::size_t leaning_on_ = 0;                 ///< Its contacts, with others' bodies too.

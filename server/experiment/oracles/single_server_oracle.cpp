@@ -34,6 +34,7 @@ constexpr PrototypeId elastic_prototype{6};
 WorldDefinition stage(MigrationMode mode) {
   WorldDefinition world = layout_world("corner4");
   world.mode = mode;
+  world.max_bodies = 1000;  // Small pools: worlds are started by the dozen here.
   Prototype elastic = world.prototypes[sphere_prototype.value];
   elastic.name = "elastic ball";
   elastic.body.restitution = 1;

@@ -218,6 +218,8 @@ Result<Scenario> make_scenario(const ScenarioOptions& options) {
   Scenario scenario;
   if (is_layout(options.layout)) {
     scenario.world = layout_world(options.layout);
+    // Nine servers with pools for tens of thousands spend a tenth of a run on touching them.
+    scenario.world.max_bodies = static_cast<std::uint32_t>(4 * std::max(300, options.bodies));
     Author(scenario, options).write();
   } else {
     auto world = load_world(options.layout);
