@@ -10,19 +10,11 @@
 namespace aureole {
 namespace {
 
-using Surroundings = Contests::Surroundings;
-/// A cluster goes to the lowest server that has anything so near to it, or on its way, if that is a
-/// third one: at a corner it would be fetched on to that one soon, and from there to the next.
-constexpr Surroundings near_by{1.0, 0.5};
-/// Who has changed its owner within the last second goes as far as it may have to at once: it must
-/// not change it more than twice.
-constexpr Surroundings far_around{16.0, 1.0};
-
 /// What is given to a higher number may have to come down again: where a third server is so near,
 /// also one that is away and may be back, all go to the lower one; who has changed its owner within
 /// the last second does so sooner.
-constexpr Surroundings up_near{8.0, 1.0, true};
-constexpr Surroundings up_near_again{32.0, 1.0, true};
+constexpr Horizon up_near{8.0, 1.0, true};
+constexpr Horizon up_near_again{32.0, 1.0, true};
 
 /// Hosts of auras are told of what lies so near to them (m), and as far as their bodies can get in
 /// the reach time: auras grow in one step when something comes in the way of a body, and the
@@ -50,7 +42,6 @@ void Contests::find(const MigrationSituation& s, const Outlook& outlook, Cluster
   outlook_ = &outlook;
   clusters_ = &clusters;
   meetings_.clear();
-  around_.clear();
   companies_.clear();
   if (s.now != settled_at_) {  // A tick may be looked at twice: see MigrationDecision.
     settled_.swap(settled_now_);
@@ -60,12 +51,10 @@ void Contests::find(const MigrationSituation& s, const Outlook& outlook, Cluster
   contested_.assign(s.hosted.size(), false);
   visitors_.assign(s.hosted.size(), {});
   std::erase_if(given_, [&](const auto& given) { return s.now - given.second.at > hold_ticks_; });
-  rooms_of_hosts_.assign(s.map.size(), {});
+  neighbourhood_.begin(s, outlook, clusters);
   std::vector<std::uint32_t> found;
   for (const RemoteAura& aura : s.remote) {
     AuraBox wide = aura.room.box();
-    std::optional<AuraBox>& all = rooms_of_hosts_[aura.host.value];
-    all = all ? joined(*all, wide) : wide;
     wide.half.array() += visitor_clearance_m + aura.speed_mps * reach_s_;
     found.clear();
     outlook.grid().find(wide, found);
@@ -140,53 +129,8 @@ std::uint8_t Contests::changes_of(Clusters::Number cluster) const {
   return most;
 }
 
-/// Servers whose region, or anything of whom, is near the box; ours left out.
-void Contests::add_around(const AuraBox& box, const Surroundings& look, RegionSet& around) const {
-  AuraBox wide = box;
-  wide.half.array() += look.clearance_m;
-  const double low_x = wide.centre.x() - wide.half.x(), high_x = wide.centre.x() + wide.half.x();
-  const double low_z = wide.centre.z() - wide.half.z(), high_z = wide.centre.z() + wide.half.z();
-  const Rectangle& home = situation_->map.area(situation_->self);
-  const bool inside =
-      low_x >= home.min_x && high_x < home.max_x && low_z >= home.min_z && high_z < home.max_z;
-  if (!inside)
-    for (std::uint16_t k = 0; k < situation_->map.size(); ++k)
-      if ((look.away_too || situation_->linked[k]) &&
-          situation_->map.area(RegionId{k}).overlaps(low_x, low_z, high_x, high_z))
-        around.add(RegionId{k});
-  if (outlook_->near_others(wide)) {
-    std::vector<std::uint32_t> found;
-    outlook_->remote_grid().find(wide, found);
-    for (const std::uint32_t other : found) {
-      const RegionId host = situation_->remote[other].host;
-      if (look.away_too || situation_->linked[host.value]) around.add(host);
-    }
-  }
-  around.remove(situation_->self);
-}
-
-void Contests::add_around(Clusters::Number cluster, const Surroundings& look,
-                          RegionSet& around) const {
-  for (const std::uint32_t member : clusters_->members(cluster)) {
-    AuraBox box = outlook_->box(member);
-    if (!outlook_->rests(member))
-      box = joined(box, way_of(situation_->hosted[member], look.onward_s));
-    add_around(box, look, around);
-  }
-}
-
-const Surroundings& Contests::looks_as(Clusters::Number cluster) const {
-  return clusters_->has_moved(cluster, long_stay_ticks) ? far_around : near_by;
-}
-
-const RegionSet& Contests::around(Clusters::Number cluster) {
-  if (around_.size() <= cluster) around_.resize(clusters_->size());
-  if (!around_[cluster]) add_around(cluster, looks_as(cluster), around_[cluster].emplace());
-  return *around_[cluster];
-}
-
 RegionId Contests::lowest_around(Clusters::Number cluster) {
-  const RegionSet& others = around(cluster);
+  const RegionSet& others = neighbourhood_.of(cluster);
   return others.empty() ? situation_->self : std::min(others.lowest(), situation_->self);
 }
 
@@ -198,41 +142,9 @@ const Company& Contests::company_of(std::uint32_t body) {
   company.label = label_of(situation_->hosted[clusters_->members(cluster).front()].id);
   company.size_class = size_class_of(clusters_->members(cluster).size());
   company.changes = changes_of(cluster);
-  company.crowded = is_crowded(cluster);
+  company.crowded = neighbourhood_.is_crowded(cluster);
   if (company.changes == Company::changes_max) note_settled(cluster);
   return company;
-}
-
-/// Whether a third server is around.
-bool Contests::is_crowded(Clusters::Number cluster) {
-  // Where at most one other is near the room that holds them all, none needs to be looked for.
-  const Surroundings& look = looks_as(cluster);
-  std::optional<AuraBox> room;
-  for (const std::uint32_t member : clusters_->members(cluster)) {
-    AuraBox box = outlook_->box(member);
-    if (!outlook_->rests(member))
-      box = joined(box, way_of(situation_->hosted[member], look.onward_s));
-    room = room ? joined(*room, box) : box;
-  }
-  room->half.array() += look.clearance_m;
-  RegionSet near;
-  for (std::uint16_t k = 0; k < situation_->map.size(); ++k) {
-    const RegionId region{k};
-    if (region == situation_->self) continue;
-    const double low_x = room->centre.x() - room->half.x();
-    const double low_z = room->centre.z() - room->half.z();
-    const double high_x = room->centre.x() + room->half.x();
-    const double high_z = room->centre.z() + room->half.z();
-    if (situation_->map.area(region).overlaps(low_x, low_z, high_x, high_z) ||
-        (rooms_of_hosts_[k] && rooms_of_hosts_[k]->overlaps(*room)))
-      near.add(region);
-  }
-  if (near.empty()) return false;
-  near.remove(near.lowest());
-  if (near.empty()) return false;
-  RegionSet others = around(cluster);
-  if (!others.empty()) others.remove(others.lowest());
-  return !others.empty();
 }
 
 /// Since when its members count as such as must not change their owner again.
@@ -354,7 +266,7 @@ std::optional<RegionId> Contests::settled_host(const Contest& contest) const {
 bool Contests::meets_a_third_soon(const Contest& contest, RegionId other) const {
   RegionSet others;
   for (const Clusters::Number cluster : contest.ours)
-    add_around(cluster, changes_of(cluster) > 0 ? up_near_again : up_near, others);
+    neighbourhood_.add_around(cluster, changes_of(cluster) > 0 ? up_near_again : up_near, others);
   others.remove(other);
   return !others.empty();
 }
@@ -373,7 +285,7 @@ std::vector<Contests::Verdict> Contests::verdicts() {
   std::vector<Verdict> all;
   for (const Contest& contest : joined_contests()) {
     RegionSet others;
-    for (const Clusters::Number cluster : contest.ours) others.add(around(cluster));
+    for (const Clusters::Number cluster : contest.ours) others.add(neighbourhood_.of(cluster));
     bool crowded = false, followed = false, meets_lower = false;
     for (const RemoteAura* aura : contest.meets) {
       others.add(aura->host);
@@ -381,7 +293,7 @@ std::vector<Contests::Verdict> Contests::verdicts() {
       meets_lower = meets_lower || aura->host < self;
       const bool moved = aura->company.changes > 0;
       followed = followed || moved;
-      add_around(aura->room.box(), moved ? far_around : near_by, others);
+      neighbourhood_.add_around(aura->room.box(), moved ? far_around : near_by, others);
     }
     const RegionId lowest = others.lowest();
     RegionSet third = others;

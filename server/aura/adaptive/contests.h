@@ -8,6 +8,7 @@
 
 #include "server/aura/adaptive/aura_size.h"
 #include "server/aura/adaptive/clusters.h"
+#include "server/aura/adaptive/neighbourhood.h"
 #include "server/aura/adaptive/outlook.h"
 #include "server/aura/audience.h"
 #include "server/aura/migration_policy.h"
@@ -35,12 +36,6 @@ class Contests {
   /// Once a tick.
   void find(const MigrationSituation& situation, const Outlook& outlook, Clusters& clusters);
 
-  /// What counts as near to a cluster.
-  struct Surroundings {
-    double clearance_m;     ///< Around its auras, and around its members' ways …
-    double onward_s;        ///< … of so long.
-    bool away_too = false;  ///< Servers that are away may be back by then: they count as well.
-  };
   struct Verdict {
     std::vector<Clusters::Number> clusters;  ///< Ours that meet, directly or through others'.
     RegionId to;                             ///< Our own number: they stay.
@@ -80,11 +75,6 @@ class Contests {
   void remember(const Contest& contest, RegionId to);
   std::optional<RegionId> settled_host(const Contest& contest) const;
   bool meets_a_third_soon(const Contest& contest, RegionId other) const;
-  void add_around(const AuraBox& box, const Surroundings& look, RegionSet& around) const;
-  void add_around(Clusters::Number cluster, const Surroundings& look, RegionSet& around) const;
-  const RegionSet& around(Clusters::Number cluster);
-  const Surroundings& looks_as(Clusters::Number cluster) const;
-  bool is_crowded(Clusters::Number cluster);
   void note_settled(Clusters::Number cluster);
 
   double reach_s_ = 0;
@@ -93,12 +83,10 @@ class Contests {
   const MigrationSituation* situation_ = nullptr;
   const Outlook* outlook_ = nullptr;
   Clusters* clusters_ = nullptr;
+  Neighbourhood neighbourhood_;
   std::map<Clusters::Number, Meetings> meetings_;
   /// By cluster, found out when first asked for.
-  std::vector<std::optional<RegionSet>> around_;
   std::vector<std::optional<Company>> companies_;
-  /// Around all auras of each other server.
-  std::vector<std::optional<AuraBox>> rooms_of_hosts_;
   /// Bodies in clusters that have changed their owner as often as they should, and since when; as
   /// of the tick before, and of this one.
   std::map<BodyId, Tick> settled_, settled_now_;

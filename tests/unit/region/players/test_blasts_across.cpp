@@ -3,6 +3,7 @@
 
 #include "tests/support/catch.h"
 #include "tests/support/region_cluster.h"
+#include "tests/unit/region/players/acting_player.h"
 #include "tests/unit/region/scenarios/overlap_watch.h"
 
 using namespace aureole;
@@ -41,21 +42,13 @@ struct Outcome {
 
 Outcome blast(const Towers& towers, int delay, int idle_ticks) {
   RegionCluster cluster(towers.world, delay);
-  std::uint32_t sequence = 0;
-  const auto act = [&](Kind kind, std::optional<int> region = {}) {
-    PlayerCommand command;
-    command.player = me;
-    command.session = 1;
-    command.sequence = ++sequence;
-    command.kind = kind;
-    cluster.command(command, region);
-  };
-  act(Kind::join, 0);
+  ActingPlayer player(cluster, me);
+  player.act(Kind::join, 0);
   cluster.step(idle_ticks);
   Outcome out;
   const auto owner = [&](std::size_t i) { return cluster.owner(towers.boxes[i]); };
   out.was_cut = owner(0) != owner(2) && owner(1) != owner(3);
-  act(Kind::blast);
+  player.act(Kind::blast);
   OverlapWatch watch(towers.world);
   out.fastest_mps.assign(towers.boxes.size(), 0);
   for (int tick = 0; tick < 60; ++tick) {

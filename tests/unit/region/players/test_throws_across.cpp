@@ -3,6 +3,7 @@
 
 #include "tests/support/catch.h"
 #include "tests/support/region_cluster.h"
+#include "tests/unit/region/players/acting_player.h"
 #include "tests/unit/region/scenarios/overlap_watch.h"
 
 using namespace aureole;
@@ -40,22 +41,13 @@ constexpr int long_idle_ticks = static_cast<int>(Players::idle_ticks) + 400;
 /// The player does nothing for so long, and then throws.
 Outcome throw_after(const Scene& scene, int delay, int idle_ticks) {
   RegionCluster cluster(scene.world, delay);
-  std::uint32_t sequence = 0;
-  const auto act = [&](Kind kind, std::optional<int> region = {}) {
-    PlayerCommand command;
-    command.player = me;
-    command.session = 1;
-    command.sequence = ++sequence;
-    command.kind = kind;
-    command.yaw = east;
-    cluster.command(command, region);
-  };
+  ActingPlayer player(cluster, me, east);
   const BodyId upper = BodyId::world(1), thrown = BodyId::thrown(me, 0);
-  act(Kind::join, 0);
+  player.act(Kind::join, 0);
   cluster.step(idle_ticks);
   Outcome out;
   out.was_cut = cluster.owner(upper) != cluster.owner(BodyId::avatar(me));
-  act(Kind::throw_body);
+  player.act(Kind::throw_body);
   OverlapWatch watch(scene.world);
   bool is_out = false;
   for (int tick = 0; tick < 60; ++tick) {

@@ -1,0 +1,99 @@
+// Regions by their areas, servers by the auras that they project.
+#include "server/aura/adaptive/neighbourhood.h"
+
+#include "server/aura/adaptive/aura_size.h"
+#include "server/aura/adaptive/homecoming.h"
+
+namespace aureole {
+
+void Neighbourhood::begin(const MigrationSituation& situation, const Outlook& outlook,
+                          const Clusters& clusters) {
+  situation_ = &situation;
+  outlook_ = &outlook;
+  clusters_ = &clusters;
+  of_cluster_.clear();
+  rooms_of_hosts_.assign(situation.map.size(), {});
+  for (const RemoteAura& aura : situation.remote) {
+    std::optional<AuraBox>& all = rooms_of_hosts_[aura.host.value];
+    all = all ? joined(*all, aura.room.box()) : aura.room.box();
+  }
+}
+
+/// Servers whose region, or anything of whom, is near the box; ours left out.
+void Neighbourhood::add_around(const AuraBox& box, const Horizon& look, RegionSet& around) const {
+  AuraBox wide = box;
+  wide.half.array() += look.clearance_m;
+  const double low_x = wide.centre.x() - wide.half.x(), high_x = wide.centre.x() + wide.half.x();
+  const double low_z = wide.centre.z() - wide.half.z(), high_z = wide.centre.z() + wide.half.z();
+  const Rectangle& home = situation_->map.area(situation_->self);
+  const bool inside =
+      low_x >= home.min_x && high_x < home.max_x && low_z >= home.min_z && high_z < home.max_z;
+  if (!inside)
+    for (std::uint16_t k = 0; k < situation_->map.size(); ++k)
+      if ((look.away_too || situation_->linked[k]) &&
+          situation_->map.area(RegionId{k}).overlaps(low_x, low_z, high_x, high_z))
+        around.add(RegionId{k});
+  if (outlook_->near_others(wide)) {
+    std::vector<std::uint32_t> found;
+    outlook_->remote_grid().find(wide, found);
+    for (const std::uint32_t other : found) {
+      const RegionId host = situation_->remote[other].host;
+      if (look.away_too || situation_->linked[host.value]) around.add(host);
+    }
+  }
+  around.remove(situation_->self);
+}
+
+/// Its aura, and its way if it moves.
+AuraBox Neighbourhood::room_of(std::uint32_t body, const Horizon& look) const {
+  if (outlook_->rests(body)) return outlook_->box(body);
+  return joined(outlook_->box(body), way_of(situation_->hosted[body], look.onward_s));
+}
+
+void Neighbourhood::add_around(Clusters::Number cluster, const Horizon& look,
+                               RegionSet& around) const {
+  for (const std::uint32_t member : clusters_->members(cluster))
+    add_around(room_of(member, look), look, around);
+}
+
+const Horizon& Neighbourhood::horizon_of(Clusters::Number cluster) const {
+  return clusters_->has_moved(cluster, long_stay_ticks) ? far_around : near_by;
+}
+
+const RegionSet& Neighbourhood::of(Clusters::Number cluster) {
+  if (of_cluster_.size() <= cluster) of_cluster_.resize(clusters_->size());
+  if (!of_cluster_[cluster])
+    add_around(cluster, horizon_of(cluster), of_cluster_[cluster].emplace());
+  return *of_cluster_[cluster];
+}
+
+bool Neighbourhood::is_crowded(Clusters::Number cluster) {
+  // Where at most one other is near the room that holds them all, none needs to be looked for.
+  const Horizon& look = horizon_of(cluster);
+  std::optional<AuraBox> room;
+  for (const std::uint32_t member : clusters_->members(cluster)) {
+    const AuraBox box = room_of(member, look);
+    room = room ? joined(*room, box) : box;
+  }
+  room->half.array() += look.clearance_m;
+  RegionSet near;
+  for (std::uint16_t k = 0; k < situation_->map.size(); ++k) {
+    const RegionId region{k};
+    if (region == situation_->self) continue;
+    const double low_x = room->centre.x() - room->half.x();
+    const double low_z = room->centre.z() - room->half.z();
+    const double high_x = room->centre.x() + room->half.x();
+    const double high_z = room->centre.z() + room->half.z();
+    if (situation_->map.area(region).overlaps(low_x, low_z, high_x, high_z) ||
+        (rooms_of_hosts_[k] && rooms_of_hosts_[k]->overlaps(*room)))
+      near.add(region);
+  }
+  if (near.empty()) return false;
+  near.remove(near.lowest());
+  if (near.empty()) return false;
+  RegionSet others = of(cluster);
+  if (!others.empty()) others.remove(others.lowest());
+  return !others.empty();
+}
+
+}  // namespace aureole

@@ -1,0 +1,33 @@
+// A player whose commands come one after the other, as a gateway numbers them.
+#pragma once
+
+#include <optional>
+
+#include "tests/support/region_cluster.h"
+
+namespace aureole::testing {
+
+class ActingPlayer {
+ public:
+  ActingPlayer(RegionCluster& cluster, PlayerId player, float yaw = 0)
+      : cluster_(cluster), player_(player), yaw_(yaw) {}
+
+  /// To the server of the avatar, or to `region`.
+  void act(PlayerCommand::Kind kind, std::optional<int> region = {}) {
+    PlayerCommand command;
+    command.player = player_;
+    command.session = 1;
+    command.sequence = ++sequence_;
+    command.kind = kind;
+    command.yaw = yaw_;
+    cluster_.command(command, region);
+  }
+
+ private:
+  RegionCluster& cluster_;
+  PlayerId player_;
+  float yaw_;
+  std::uint32_t sequence_ = 0;
+};
+
+}  // namespace aureole::testing
