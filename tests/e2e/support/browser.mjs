@@ -144,13 +144,16 @@ export function picture_difference(a, b) {
 }
 
 /**
- * A picture in which little moves, and by how much it still changes in a second and a half: others'
- * avatars come to rest or are taken away, and what was thrown rolls on.
+ * A picture in which little moves, and by how much those after it still differ: others' avatars
+ * come to rest or are taken away, and what was thrown rolls on. A busy gateway may send no picture
+ * for a second: one that has not been replaced says nothing.
  */
 export async function quiet_picture(page) {
   for (let attempt = 0; ; attempt++) {
+    await wait_for_pictures(page);
     const picture = await picture_pixels(page);
     await new Promise((resolve) => setTimeout(resolve, 1500));
+    await wait_for_pictures(page);
     const change = picture_difference(picture, await picture_pixels(page));
     if (change < 0.2 || attempt === 12) return { picture, change };
   }
