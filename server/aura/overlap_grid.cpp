@@ -57,33 +57,39 @@ void OverlapGrid::build(std::span<const AuraBox> boxes) {
   columns_ = cells(high_x - low_x);
   rows_ = cells(high_z - low_z);
 
-  const auto slot = [&](std::int32_t x, std::int32_t z) {
-    return static_cast<std::size_t>(z) * static_cast<std::size_t>(columns_) +
-           static_cast<std::size_t>(x);
-  };
+  covers_.clear();
+  place_of_column_.assign(static_cast<std::size_t>(columns_), no_place);
+  for (const AuraBox& box : boxes) {
+    const Cover& cover = covers_.emplace_back(cover_of(box));
+    if (cover.cells() > cells_max)
+      large_.push_back(static_cast<std::uint32_t>(covers_.size() - 1));
+    else
+      for (std::int32_t x = cover.low_x; x <= cover.high_x; ++x)
+        place_of_column_[static_cast<std::size_t>(x)] = 0;
+  }
+  // Two strips along the sides of a wide region leave most columns between them empty.
+  places_ = 0;
+  for (std::int32_t& place : place_of_column_)
+    if (place != no_place) place = places_++;
+
   const auto each_cell = [&](const Cover& cover, auto&& visit) {
     for (std::int32_t z = cover.low_z; z <= cover.high_z; ++z)
-      for (std::int32_t x = cover.low_x; x <= cover.high_x; ++x) visit(slot(x, z));
+      for (std::int32_t x = cover.low_x; x <= cover.high_x; ++x)
+        visit(cell_at(place_of_column_[static_cast<std::size_t>(x)], z));
   };
-  covers_.clear();
-  start_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) + 1, 0);
-  for (const AuraBox& box : boxes) {
-    const Cover cover = cover_of(box);
-    if (cover.cells() > cells_max)
-      large_.push_back(static_cast<std::uint32_t>(covers_.size()));
-    else
-      each_cell(cover, [&](std::size_t cell) { ++start_[cell + 1]; });
-    covers_.push_back(cover);
-  }
+  start_.assign(static_cast<std::size_t>(places_) * static_cast<std::size_t>(rows_) + 1, 0);
+  for (const Cover& cover : covers_)
+    if (cover.cells() <= cells_max) each_cell(cover, [&](std::size_t cell) { ++start_[cell]; });
+  // First where each cell ends; filled from behind, where it begins.
   for (std::size_t i = 1; i < start_.size(); ++i) start_[i] += start_[i - 1];
-  next_.assign(start_.begin(), start_.end() - 1);
   entries_.resize(start_.back());
-  for (std::uint32_t i = 0; i < covers_.size(); ++i) {
+  for (std::size_t i = covers_.size(); i-- > 0;) {
     const Cover& cover = covers_[i];
     if (cover.cells() > cells_max) continue;
-    const Entry entry{bounds_of(boxes[i]), i, static_cast<std::uint16_t>(cover.low_x),
+    const Entry entry{bounds_of(boxes[i]), static_cast<std::uint32_t>(i),
+                      static_cast<std::uint16_t>(cover.low_x),
                       static_cast<std::uint16_t>(cover.low_z)};
-    each_cell(cover, [&](std::size_t cell) { entries_[next_[cell]++] = entry; });
+    each_cell(cover, [&](std::size_t cell) { entries_[--start_[cell]] = entry; });
   }
 }
 
@@ -98,8 +104,9 @@ void OverlapGrid::find(const AuraBox& box, std::vector<std::uint32_t>& found) co
   const Bounds bounds = bounds_of(box);
   for (std::int32_t z = cover.low_z; z <= cover.high_z; ++z)
     for (std::int32_t x = cover.low_x; x <= cover.high_x; ++x) {
-      const auto cell = static_cast<std::size_t>(z) * static_cast<std::size_t>(columns_) +
-                        static_cast<std::size_t>(x);
+      const std::int32_t place = place_of_column_[static_cast<std::size_t>(x)];
+      if (place == no_place) continue;
+      const std::size_t cell = cell_at(place, z);
       for (std::uint32_t k = start_[cell]; k < start_[cell + 1]; ++k) {
         const Entry& entry = entries_[k];
         if (!entry.bounds.meets(bounds)) continue;

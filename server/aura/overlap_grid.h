@@ -69,13 +69,20 @@ class OverlapGrid {
   };
   static Bounds bounds_of(const AuraBox& box);
   Cover cover_of(const AuraBox& box) const;
+  std::size_t cell_at(std::int32_t place, std::int32_t row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(places_) +
+           static_cast<std::size_t>(place);
+  }
 
   std::span<const AuraBox> boxes_;
   double origin_x_ = 0, origin_z_ = 0;
   std::int32_t columns_ = 0, rows_ = 0;
   std::vector<Cover> covers_;
   std::vector<std::uint32_t> start_;  ///< Of each cell in `entries_`.
-  std::vector<std::uint32_t> next_;
+  /// Columns that something covers lie side by side in `start_`; of others `no_place`.
+  static constexpr std::int32_t no_place = -1;
+  std::vector<std::int32_t> place_of_column_;
+  std::int32_t places_ = 0;
   std::vector<Entry> entries_;
   std::vector<std::uint32_t> large_;
 };

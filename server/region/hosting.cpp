@@ -51,14 +51,52 @@ Hosting::Hosting(const WorldDefinition& world, RegionId self, Incarnation incarn
   }
 }
 
+/// False if there is one already; it stays.
+bool Hosting::make_record(BodyId id, const Record& record) {
+  if (!records_.emplace(id, record).second) return false;
+  out_of_order_.push_back(id);
+  return true;
+}
+
+void Hosting::erase_record(BodyId id) {
+  records_.erase(id);
+  out_of_order_.push_back(id);
+}
+
+/// One pass, however many have come and gone.
+void Hosting::bring_in_order() {
+  next_ = 0;
+  if (out_of_order_.empty()) return;
+  std::sort(out_of_order_.begin(), out_of_order_.end());
+  const auto last = std::unique(out_of_order_.begin(), out_of_order_.end());
+  out_of_order_.erase(last, out_of_order_.end());
+  auto changed = out_of_order_.begin();
+  std::erase_if(in_order_, [&](const Entry& entry) {
+    while (changed != out_of_order_.end() && *changed < entry.id) ++changed;
+    return changed != out_of_order_.end() && *changed == entry.id;
+  });
+  const auto middle = static_cast<std::ptrdiff_t>(in_order_.size());
+  for (BodyId id : out_of_order_)
+    if (const auto at = records_.find(id); at != records_.end())
+      in_order_.push_back({id, &at->second});
+  std::inplace_merge(in_order_.begin(), in_order_.begin() + middle, in_order_.end(),
+                     [](const Entry& a, const Entry& b) { return a.id < b.id; });
+  out_of_order_.clear();
+}
+
+Hosting::Record& Hosting::record_in_order(BodyId id) {
+  while (next_ < in_order_.size() && in_order_[next_].id < id) ++next_;
+  AUREOLE_CHECK(next_ < in_order_.size() && in_order_[next_].id == id,
+                "bodies are looked at in the order of their ids");
+  return *in_order_[next_].record;
+}
+
 void Hosting::spawn(std::span<const NewBody> bodies, std::uint32_t epoch) {
   std::vector<NewBody> born;
   for (const NewBody& body : bodies)
     // Another region may have handed a body of this name over: what was first stays.
-    if (records_
-            .emplace(body.id,
-                     Record{epoch, never_changed, moved_before(body.state), never_changed, self_})
-            .second)
+    if (make_record(body.id,
+                    {epoch, never_changed, moved_before(body.state), never_changed, self_}))
       born.push_back(body);
   physics_.add(born);
   find_contacts_of_sleepers(born);
@@ -79,7 +117,7 @@ void Hosting::remove(std::span<const BodyId> ids) {
   for (BodyId id : ids) {
     removed_.push_back({id, version(id)});
     publisher_.body_removed(id, version(id));
-    records_.erase(id);
+    erase_record(id);
   }
   physics_.remove(ids);
   counts_.removed += ids.size();
@@ -87,10 +125,11 @@ void Hosting::remove(std::span<const BodyId> ids) {
 
 void Hosting::begin_look(Tick now) {
   if (now != last_look_) look_before_ = std::exchange(last_look_, now);
+  bring_in_order();
 }
 
 void Hosting::look(HostedBody& body, Tick now, float slow_for_s) {
-  Record& record = records_.at(body.id);
+  Record& record = record_in_order(body.id);
   if (record.looked_at < look_before_ || !record.moved)
     record.moved =
         body.asleep ? never_changed : now - static_cast<std::int64_t>(slow_for_s / tick_s);
@@ -181,7 +220,7 @@ Hosting::Released Hosting::release(std::span<const BodyId> ids, Tick now, Cut cu
   physics_.remove(gone);
   for (BodyId id : ids) {
     publisher_.body_lost(id);
-    records_.erase(id);
+    erase_record(id);
   }
   counts_.migrations_out += ids.size();
   return released;
@@ -197,13 +236,13 @@ std::vector<BodyId> Hosting::accept(const HandoffGroup& group, RegionId from, Ti
       if (it->second.epoch > arriving.epoch) continue;
       publisher_.body_lost(id);
       physics_.remove(std::span(&id, 1));
-      records_.erase(it);
+      erase_record(id);
     }
     taken.push_back(arriving.body);
     ids.push_back(id);
     const bool last = arriving.epoch == std::numeric_limits<std::uint32_t>::max();
-    records_.emplace(id, Record{last ? arriving.epoch : arriving.epoch + 1, now,
-                                now - arriving.still_ticks, now - arriving.owned_ticks, from});
+    make_record(id, {last ? arriving.epoch : arriving.epoch + 1, now, now - arriving.still_ticks,
+                     now - arriving.owned_ticks, from});
   }
   physics_.add(taken);
   for (BodyId id : ids) publisher_.body_gained(id, version(id));
@@ -227,8 +266,7 @@ void Hosting::claim(std::span<const HandoffGroup::Body> bodies, Tick now) {
   std::vector<NewBody> claimed;
   for (const auto& body : bodies) {
     claimed.push_back(body.body);
-    records_.emplace(body.body.id,
-                     Record{body.epoch, now, now - body.still_ticks, never_changed, self_});
+    make_record(body.body.id, {body.epoch, now, now - body.still_ticks, never_changed, self_});
   }
   physics_.add(claimed);
   find_contacts_of_sleepers(claimed);  // Theirs died with their owner.

@@ -39,11 +39,12 @@ class Hosting {
   std::uint32_t epoch(BodyId id) const { return records_.at(id).epoch; }
   Tick changed_owner(BodyId id) const { return records_.at(id).changed_owner; }
   Version version(BodyId id) const { return {epoch(id), incarnation_, self_}; }
-  /// Call before looking at bodies in each tick that any is looked at.
+  /// Call before each pass over bodies that are looked at; nobody may come or go during it.
   void begin_look(Tick now);
-  /// Call for each body that is looked at, with its id, surface speed and whether it sleeps: fills
-  /// in for how many ticks it has been still and when its owner changed. Of one that was not looked
-  /// at in the last such tick nothing is known but for how long it has been slow.
+  /// Call for each body that is looked at, in the order of their ids, with its id, surface speed
+  /// and whether it sleeps: fills in for how many ticks it has been still and when its owner
+  /// changed. Of one that was not looked at in the last such tick nothing is known but for how long
+  /// it has been slow.
   void look(HostedBody& body, Tick now, float slow_for_s);
   std::uint8_t still_ticks(BodyId id, Tick now) const;
   bool lies_still(BodyId id, Tick now) const { return still_ticks(id, now) >= resting_ticks; }
@@ -105,7 +106,21 @@ class Hosting {
   std::vector<Spine> spines_;  ///< By prototype.
   PhysicsWorld physics_;
   ReplicaPublisher publisher_;
+  bool make_record(BodyId id, const Record& record);
+  void erase_record(BodyId id);
+  void bring_in_order();
+  Record& record_in_order(BodyId id);
+
   std::unordered_map<BodyId, Record> records_;
+  /// The same, ascending, for passes over all bodies: to search for each would cost more than
+  /// everything else that is done with it.
+  struct Entry {
+    BodyId id;
+    Record* record;
+  };
+  std::vector<Entry> in_order_;
+  std::size_t next_ = 0;              ///< Where a pass has come to.
+  std::vector<BodyId> out_of_order_;  ///< Came or went since.
   Tick last_look_, look_before_;
   std::vector<RemovedBody> removed_;
   Counts counts_;
