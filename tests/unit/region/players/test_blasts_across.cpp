@@ -1,9 +1,9 @@
 // A blast throws what lies cut across a boundary as it would on one server.
 #include <algorithm>
 
+#include "tests/support/acting_player.h"
 #include "tests/support/catch.h"
 #include "tests/support/region_cluster.h"
-#include "tests/unit/region/players/acting_player.h"
 #include "tests/unit/region/scenarios/overlap_watch.h"
 
 using namespace aureole;

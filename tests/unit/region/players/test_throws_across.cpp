@@ -1,9 +1,9 @@
 // What players throw across a boundary hits what it would hit on one server, whoever throws.
 #include <algorithm>
 
+#include "tests/support/acting_player.h"
 #include "tests/support/catch.h"
 #include "tests/support/region_cluster.h"
-#include "tests/unit/region/players/acting_player.h"
 #include "tests/unit/region/scenarios/overlap_watch.h"
 
 using namespace aureole;

@@ -1,6 +1,7 @@
 // Supports that their server hands away, moves or removes, and who slept on them (adaptive mode).
 #include "server/region/hosting.h"
 
+#include "tests/support/acting_player.h"
 #include "tests/support/catch.h"
 #include "tests/support/region_cluster.h"
 
@@ -40,24 +41,6 @@ struct Pile {
   }
 };
 
-/// A player who stands still.
-struct Thrower {
-  RegionCluster& cluster;
-  PlayerId player;
-  std::uint32_t sequence = 0;
-
-  void act(Kind kind, float yaw, std::optional<int> region = {}, std::uint16_t spawn = 0) {
-    PlayerCommand command;
-    command.player = player;
-    command.session = 1;
-    command.sequence = ++sequence;
-    command.kind = kind;
-    command.yaw = yaw;
-    command.spawn = spawn;
-    cluster.command(command, region);
-  }
-};
-
 }  // namespace
 
 TEST_CASE(
@@ -94,14 +77,15 @@ TEST_CASE("what sleeps on a neighbour's body falls when that is removed from the
     for (auto& item : world.throwables) item = {"box", box, 0};
     world.spawn_points = {{{50.616, 0.95, 0}, west}, {{47.554, 0.95, 0}, east}};
     RegionCluster cluster(world, delay);
-    Thrower there{cluster, PlayerId{40}}, here{cluster, PlayerId{48}};
-    there.act(Kind::join, west, 1, 0);
-    here.act(Kind::join, east, 0, 1);
+    constexpr PlayerId them{40}, me{48};
+    ActingPlayer there(cluster, them, west), here(cluster, me, east);
+    there.act(Kind::join, 1, 0);
+    here.act(Kind::join, 0, 1);
     cluster.step(30);
-    there.act(Kind::throw_body, west);
+    there.act(Kind::throw_body);
     cluster.step(100);
-    here.act(Kind::throw_body, east);
-    const BodyId support = BodyId::thrown(there.player, 0), on_top = BodyId::thrown(here.player, 0);
+    here.act(Kind::throw_body);
+    const BodyId support = BodyId::thrown(them, 0), on_top = BodyId::thrown(me, 0);
     cluster.step(400);
     INFO("delay " << delay);
     REQUIRE(cluster.owner(support) == 1);
@@ -112,7 +96,7 @@ TEST_CASE("what sleeps on a neighbour's body falls when that is removed from the
     cluster.step(100);
     CHECK(distance(cluster.state(on_top).position, before) < 1e-3);
 
-    there.act(Kind::leave, west);
+    there.act(Kind::leave);
     // What an idle player does is held back for 8 ticks.
     cluster.step(11 + 2 * delay);
     REQUIRE_FALSE(cluster.owner(support));
@@ -132,8 +116,8 @@ TEST_CASE("what sleeps on a neighbour's body falls when a player carries that aw
     const BodyId on_top = put(world, box, {49.85, 1.5, 0}, {0, 0, 0}, asleep);
     world.spawn_points = {{{51.1, 0.95, 0}, west}};
     RegionCluster cluster(world, delay);
-    Thrower player{cluster, PlayerId{40}};
-    player.act(Kind::join, west, 1);
+    ActingPlayer player(cluster, PlayerId{40}, west);
+    player.act(Kind::join, 1);
     cluster.step(400);  // Long enough to count as idle.
     INFO("delay " << delay);
     REQUIRE(cluster.owner(support) == 1);
@@ -141,11 +125,7 @@ TEST_CASE("what sleeps on a neighbour's body falls when a player carries that aw
     REQUIRE(cluster.state(on_top).activation == asleep);
     REQUIRE(cluster.core(0).physics().is_stand_in(support));
 
-    PlayerCommand grab;
-    grab.player = player.player;
-    grab.session = 1;
-    grab.sequence = ++player.sequence;
-    grab.kind = Kind::grab;
+    PlayerCommand grab = player.next(Kind::grab);
     grab.target = support;
     grab.yaw = 0;  // Carries it to where it looks: north, and away.
     cluster.command(grab);

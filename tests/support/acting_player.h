@@ -12,14 +12,20 @@ class ActingPlayer {
   ActingPlayer(RegionCluster& cluster, PlayerId player, float yaw = 0)
       : cluster_(cluster), player_(player), yaw_(yaw) {}
 
-  /// To the server of the avatar, or to `region`.
-  void act(PlayerCommand::Kind kind, std::optional<int> region = {}) {
+  /// The next command, looking where the player looks.
+  PlayerCommand next(PlayerCommand::Kind kind) {
     PlayerCommand command;
     command.player = player_;
     command.session = 1;
     command.sequence = ++sequence_;
     command.kind = kind;
     command.yaw = yaw_;
+    return command;
+  }
+  /// To the server of the avatar, or to `region`; who joins comes to that spawn point.
+  void act(PlayerCommand::Kind kind, std::optional<int> region = {}, std::uint16_t spawn = 0) {
+    PlayerCommand command = next(kind);
+    command.spawn = spawn;
     cluster_.command(command, region);
   }
 
