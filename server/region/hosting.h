@@ -94,6 +94,10 @@ class Hosting {
     RegionId came_from;
     Tick looked_at = born_now;  ///< When it was last looked at; whoever comes is looked at.
   };
+  bool make_record(BodyId id, const Record& record);
+  void erase_record(BodyId id);
+  void bring_in_order();
+  Record& record_in_order(BodyId id);
   void find_contacts_of_sleepers(std::span<const NewBody> bodies);
   void bring_neighbours(HandoffGroup& group, Tick now) const;
   std::vector<BodyId> holding_up(const HandoffGroup& group, Tick now) const;
@@ -106,11 +110,6 @@ class Hosting {
   std::vector<Spine> spines_;  ///< By prototype.
   PhysicsWorld physics_;
   ReplicaPublisher publisher_;
-  bool make_record(BodyId id, const Record& record);
-  void erase_record(BodyId id);
-  void bring_in_order();
-  Record& record_in_order(BodyId id);
-
   std::unordered_map<BodyId, Record> records_;
   /// The same, ascending, for passes over all bodies: to search for each would cost more than
   /// everything else that is done with it.
