@@ -57,6 +57,23 @@ TEST_CASE("the grid finds each overlapping box once, small ones and huge ones") 
     }
 }
 
+TEST_CASE("what lies on both sides of empty columns is found by whoever reaches over them") {
+  std::vector<AuraBox> boxes;
+  for (int n = 0; n < 100; ++n)
+    boxes.push_back({{n % 2 == 0 ? 0.0 : 20.0, 0, 0.05 * n}, {0.3, 0.3, 0.3}});
+  OverlapGrid grid;
+  grid.build(boxes);
+  const auto count = [&](double low_x, double high_x) {
+    std::vector<std::uint32_t> found;
+    grid.find({{(low_x + high_x) / 2, 0, 2.5}, {(high_x - low_x) / 2, 1, 3}}, found);
+    return found.size();
+  };
+  CHECK(count(-1, 21) == 100);
+  CHECK(count(-1, 5) == 50);
+  CHECK(count(15, 21) == 50);
+  CHECK(count(5, 15) == 0);
+}
+
 TEST_CASE("a grid without boxes finds nothing, and one that is built again forgets the first") {
   OverlapGrid grid;
   std::vector<std::uint32_t> found;
