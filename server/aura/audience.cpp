@@ -15,8 +15,7 @@ RegionId RegionSet::lowest() const {
 
 std::vector<RegionId> RegionSet::regions() const {
   std::vector<RegionId> all;
-  for (std::uint64_t rest = bits_; rest != 0; rest &= rest - 1)
-    all.push_back(RegionId{static_cast<std::uint16_t>(std::countr_zero(rest))});
+  for_each([&](RegionId region) { all.push_back(region); });
   return all;
 }
 

@@ -1,6 +1,7 @@
 // To whom an aura is told: Algorithms 3 to 6 of the paper and its corner case.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -25,6 +26,11 @@ class RegionSet {
   RegionId lowest() const;
   /// Ascending.
   std::vector<RegionId> regions() const;
+  template <class Visit>
+  void for_each(Visit&& visit) const {
+    for (std::uint64_t rest = bits_; rest != 0; rest &= rest - 1)
+      visit(RegionId{static_cast<std::uint16_t>(std::countr_zero(rest))});
+  }
   friend bool operator==(RegionSet, RegionSet) = default;
 
  private:

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "server/aura/overlap_grid.h"
+#include "server/aura/aura_box.h"
 
 namespace aureole {
 

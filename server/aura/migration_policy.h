@@ -8,10 +8,11 @@
 #include <span>
 #include <vector>
 
+#include "server/aura/audience.h"
 #include "server/aura/aura_capsule.h"
 #include "server/aura/aura_radius.h"
+#include "server/aura/box_rows.h"
 #include "server/aura/migration_mode.h"
-#include "server/aura/overlap_grid.h"
 #include "server/aura/partition_map.h"
 #include "server/base/ids.h"
 #include "server/base/tick.h"
@@ -29,6 +30,7 @@ inline constexpr std::uint8_t resting_ticks = 25;
 /// What a policy knows of each body that its server hosts.
 struct HostedBody {
   BodyId id;
+  std::uint32_t slot = 0;  ///< Names it to ContactSource for as long as it is hosted here.
   WorldPosition position;
   Eigen::Vector3d half_extents{0, 0, 0};  ///< Of the box around the body as it stands (m).
   double bounding_radius_m = 0;           ///< R_o
@@ -91,15 +93,19 @@ struct RemoteAura {
   Company company;  ///< (adaptive)
 };
 
-/// Who touches whom on this server: bodies hosted here, by their index in `hosted`, and others'
-/// resting bodies that they lean on.
+class Sleepers;
+
+/// Who touches whom on this server: all bodies here, awake or not, by HostedBody::slot.
 class ContactSource {
  public:
   virtual ~ContactSource() = default;
-  /// Hosted bodies that share a contact with a hosted body, ascending. Valid while deciding.
-  virtual std::span<const std::uint32_t> touching(std::uint32_t body) const = 0;
-  /// How many it touches, stand-ins and others that the policy is not shown included.
-  virtual std::size_t leaning_on(std::uint32_t body) const = 0;
+  /// Replaces `found` by the slots of the bodies that share a contact with the one in `slot`,
+  /// ascending. Returns how many it touches, others' resting bodies included.
+  virtual std::size_t find_touching(std::uint32_t slot,
+                                    std::vector<std::uint32_t>& found) const = 0;
+  /// All slots are below.
+  virtual std::size_t slots() const = 0;
+  virtual BodyId body_in(std::uint32_t slot) const = 0;
 };
 
 /// How much of its server's world a policy is shown.
@@ -108,6 +114,8 @@ class View {
   virtual ~View() = default;
   /// Whether every body is shown that stands anywhere above or below this box.
   virtual bool shows(const AuraBox& room) const = 0;
+  /// Whether what stands at this place is shown.
+  virtual bool holds(double x, double z) const = 0;
 };
 
 /// A server that decides for a pair asks the other one to hand a body over, with its cluster.
@@ -118,7 +126,8 @@ struct HandoverRequest {
 };
 
 /// Everything that a decision may depend on; spans ascending by id, no body in both `hosted` and
-/// `remote`.
+/// `remote`. With `sleepers`, `hosted` has of the bodies that sleep only those with which something
+/// is to happen (deeds, presses, who is carried); they are in both.
 struct MigrationSituation {
   Tick now;
   RegionId self;
@@ -131,8 +140,10 @@ struct MigrationSituation {
   const std::vector<bool>& linked;
   /// Who touches whom; null: nobody is asked (naive, paper, some tests).
   const ContactSource* contacts = nullptr;
-  /// What `hosted` may lack; null: nothing.
+  /// What `hosted` and `sleepers` may lack; null: nothing.
   const View* view = nullptr;
+  /// All bodies that sleep here; null: they are in `hosted`.
+  const Sleepers* sleepers = nullptr;
 };
 
 /// Index of the body in `MigrationSituation::hosted`, if it is hosted here.
@@ -161,10 +172,10 @@ struct ProjectedAura {
   BodyId id;
   AuraCapsule room;
   bool asleep = false;
-  bool resting = false;      ///< See RemoteAura.
-  double speed_mps = 0;      ///< See RemoteAura.
-  Company company;           ///< See RemoteAura.
-  std::vector<RegionId> to;  ///< ascending
+  bool resting = false;  ///< See RemoteAura.
+  double speed_mps = 0;  ///< See RemoteAura.
+  Company company;       ///< See RemoteAura.
+  RegionSet to;
 };
 
 struct MigrationDecision {

@@ -227,14 +227,16 @@ class PaperPolicy final : public MigrationPolicy {
       RegionSet told = audience;
       told.add(body.overlapped);
       pull(s, body, audience, pulls);
-      std::vector<RegionId> to = told.regions();
-      std::erase_if(to, [&](RegionId r) { return !s.linked[r.value]; });
+      RegionSet to;
+      told.for_each([&](RegionId region) {
+        if (s.linked[region.value]) to.add(region);
+      });
       if (to.empty()) continue;
       ProjectedAura& aura = decision.projected.emplace_back();
       aura.id = s.hosted[i].id;
       aura.room = {body.aura.centre, {0, 0, 0}, body.aura.radius};
       aura.asleep = s.hosted[i].asleep;
-      aura.to = std::move(to);
+      aura.to = to;
     }
     for (auto& [from, bodies] : pulls)
       decision.pulls.push_back({from, s.self, {bodies.begin(), bodies.end()}});

@@ -23,6 +23,10 @@ struct Rectangle {
   bool overlaps(double low_x, double low_z, double high_x, double high_z) const {
     return low_x < max_x && high_x >= min_x && low_z < max_z && high_z >= min_z;
   }
+  /// Whether all of the box is in it, its edges included.
+  bool holds(double low_x, double low_z, double high_x, double high_z) const {
+    return low_x >= min_x && high_x < max_x && low_z >= min_z && high_z < max_z;
+  }
   /// Distance from the point to the rectangle; 0 inside and on its edge (unit: m).
   double distance(double x, double z) const;
   friend bool operator==(const Rectangle&, const Rectangle&) = default;

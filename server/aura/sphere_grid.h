@@ -18,7 +18,7 @@ struct Sphere {
   }
 };
 
-/// x–z grid filled by a counting sort, like OverlapGrid, with what spheres of one large radius need
+/// x–z grid filled by a counting sort, with what spheres of one large radius need
 /// besides: an early end ("is anything there?"), and spheres that are taken out as they are found,
 /// so that a heap in which everything overlaps everything is walked through once and not squared.
 class SphereGrid {

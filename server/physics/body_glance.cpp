@@ -8,6 +8,9 @@ namespace aureole {
 BodyId BodyGlance::id() const {
   return body_.id;
 }
+std::uint32_t BodyGlance::slot() const {
+  return body_.slot;
+}
 PrototypeId BodyGlance::prototype() const {
   return body_.prototype;
 }
@@ -37,6 +40,13 @@ Eigen::Vector3f BodyGlance::half_extents() const {
 
 void PhysicsWorld::for_each(const std::function<void(const BodyGlance&)>& visit) const {
   for (const BulletBody* body : impl_->bodies.bodies) visit(BodyGlance(impl_->world, *body));
+}
+
+BodyGlance PhysicsWorld::awake_glance(std::size_t n) const {
+  return {impl_->world, *impl_->awake.objects[n]};
+}
+BodyGlance PhysicsWorld::glance(BodyId id) const {
+  return {impl_->world, impl_->body(id)};
 }
 
 }  // namespace aureole

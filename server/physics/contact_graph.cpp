@@ -1,35 +1,38 @@
-// Edges in any order become sorted rows without repetitions.
+// Edges hang on their members in lists: most members are never asked for, and nothing is sorted for
+// them.
 #include "server/physics/contact_graph.h"
 
 #include <algorithm>
 
 namespace aureole {
 
-void ContactGraph::assign(std::size_t members, std::span<const Edge> edges) {
-  begin_.assign(members + 1, 0);
-  outsiders_.assign(members, 0);
+void ContactGraph::assign(std::size_t slots, std::span<const Edge> edges) {
+  first_.assign(slots, none);
+  halves_.clear();
+  const auto hang = [&](std::uint32_t member, std::uint32_t partner) {
+    if (member == outside) return;
+    halves_.push_back({partner, first_[member]});
+    first_[member] = static_cast<std::uint32_t>(halves_.size() - 1);
+  };
   for (const auto& [a, b] : edges) {
-    if (a == outside || b == outside) {
-      ++outsiders_[a == outside ? b : a];
-      continue;
-    }
-    ++begin_[a + 1];
-    ++begin_[b + 1];
+    hang(a, b);
+    hang(b, a);
   }
-  for (std::size_t i = 1; i < begin_.size(); ++i) begin_[i] += begin_[i - 1];
-  end_.assign(begin_.begin(), begin_.end() - 1);
-  partners_.resize(begin_.back());
-  for (const auto& [a, b] : edges) {
-    if (a == outside || b == outside) continue;
-    partners_[end_[a]++] = b;
-    partners_[end_[b]++] = a;
+}
+
+std::size_t ContactGraph::find_touching(std::uint32_t member,
+                                        std::vector<std::uint32_t>& found) const {
+  found.clear();
+  std::size_t outsiders = 0;
+  for (std::uint32_t at = first_[member]; at != none; at = halves_[at].next) {
+    if (halves_[at].partner == outside)
+      ++outsiders;
+    else
+      found.push_back(halves_[at].partner);
   }
-  for (std::size_t i = 0; i < end_.size(); ++i) {
-    const auto first = partners_.begin() + begin_[i];
-    const auto last = partners_.begin() + end_[i];
-    std::sort(first, last);
-    end_[i] = static_cast<std::uint32_t>(std::unique(first, last) - partners_.begin());
-  }
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found.size() + outsiders;
 }
 
 }  // namespace aureole

@@ -1,4 +1,4 @@
-// Who touches whom among some bodies of one world, as rows of their places: built in one pass.
+// Who touches whom among the bodies of one world: built in one pass, read for a few of them.
 #pragma once
 
 #include <cstddef>
@@ -11,33 +11,31 @@
 
 namespace aureole {
 
-/// A group of bodies and stand-ins, awake or asleep, that share at least one contact point. Members
-/// are named by their places in the group; of others a member touches only their number counts.
-/// Static geometry is not in it.
+/// Members, awake or asleep, that share at least one contact point; of others that a member touches
+/// only their number counts. Static geometry is not in it. Members are named by their slots.
 class ContactGraph {
  public:
-  /// Of one who is not in the group.
+  /// Of one who is no member.
   static constexpr std::uint32_t outside = static_cast<std::uint32_t>(-1);
-  /// Two places; one of them may be `outside`.
+  /// Two slots; one of them may be `outside`.
   using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
   /// Edges come in any order and may be doubled. Keeps its memory between calls.
-  void assign(std::size_t members, std::span<const Edge> edges);
+  /// \param slots  all that edges name are below
+  void assign(std::size_t slots, std::span<const Edge> edges);
 
-  /// Members that a member touches, ascending.
-  std::span<const std::uint32_t> touching(std::uint32_t member) const {
-    return std::span(partners_).subspan(begin_[member], end_[member] - begin_[member]);
-  }
-  /// How many it touches, outsiders included; a compound outside may count more than once.
-  std::size_t leaning_on(std::uint32_t member) const {
-    return end_[member] - begin_[member] + outsiders_[member];
-  }
+  /// Replaces `found` by the members that a member touches, ascending. Returns how many it touches,
+  /// outsiders included; a compound outside may count more than once.
+  std::size_t find_touching(std::uint32_t member, std::vector<std::uint32_t>& found) const;
 
  private:
-  std::vector<std::uint32_t> begin_;  ///< Of each row in `partners_`.
-  std::vector<std::uint32_t> end_;
-  std::vector<std::uint32_t> partners_;
-  std::vector<std::uint32_t> outsiders_;
+  static constexpr std::uint32_t none = static_cast<std::uint32_t>(-1);
+  struct Half {
+    std::uint32_t partner;
+    std::uint32_t next;  ///< Of the same member, in `halves_`; `none`: it is the last.
+  };
+  std::vector<std::uint32_t> first_;  ///< By slot, in `halves_`.
+  std::vector<Half> halves_;
 };
 
 /// What a body of this world presses on a stand-in with.

@@ -102,7 +102,8 @@ NewBody PhysicsWorld::stand_in(BodyId id) const {
 }
 
 void PhysicsWorld::stand_in_loads(std::vector<StandInLoad>& out) const {
-  append_stand_in_loads(impl_->world, out);
+  const std::vector<StandInLoad>& loads = impl_->survey().loads;
+  out.insert(out.end(), loads.begin(), loads.end());
 }
 
 }  // namespace aureole

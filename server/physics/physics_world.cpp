@@ -72,19 +72,16 @@ std::vector<BodyId> PhysicsWorld::touching(BodyId id) const {
   return bodies_touching(impl_->world, impl_->body_or_stand_in(id));
 }
 
-void PhysicsWorld::contact_graph(std::span<const BodyId> group, ContactGraph& graph) const {
-  for (const BodyList* list : {&impl_->bodies, &impl_->stand_ins}) {
-    // All of them ascend: each list finds its places in one walk.
-    auto next = group.begin();
-    for (const BulletBody* body : list->bodies) {
-      while (next != group.end() && *next < body->id) ++next;
-      const bool member = next != group.end() && *next == body->id;
-      body->graph_index =
-          member ? static_cast<std::uint32_t>(next - group.begin()) : ContactGraph::outside;
-    }
-  }
-  find_touching(impl_->world, impl_->edges);
-  graph.assign(group.size(), impl_->edges);
+void PhysicsWorld::contact_graph(ContactGraph& graph) const {
+  graph.assign(impl_->by_slot.size(), impl_->survey().edges);
+}
+
+std::size_t PhysicsWorld::slots() const {
+  return impl_->by_slot.size();
+}
+
+BodyId PhysicsWorld::body_in_slot(std::uint32_t slot) const {
+  return impl_->by_slot[slot];
 }
 
 bool PhysicsWorld::is_supported(BodyId id, float min_up) const {
@@ -107,7 +104,7 @@ std::size_t PhysicsWorld::size() const {
 }
 
 std::size_t PhysicsWorld::awake_count() const {
-  if (impl_->awake_is_current) return impl_->awake.size();
+  if (impl_->awake_is_current) return impl_->awake.bodies.size();
   if (!impl_->awake_count)
     impl_->awake_count = static_cast<std::size_t>(
         std::count_if(impl_->bodies.bodies.begin(), impl_->bodies.bodies.end(),
@@ -118,12 +115,11 @@ std::size_t PhysicsWorld::awake_count() const {
 std::span<const NewBody> PhysicsWorld::awake() const {
   if (!impl_->awake_is_current) {
     impl_->awake.clear();
-    for (const BulletBody* body : impl_->bodies.bodies)
-      if (body->rigid.isActive())
-        impl_->awake.push_back({body->id, body->prototype, impl_->world.state_of(*body)});
+    for (BulletBody* body : impl_->bodies.bodies)
+      if (body->rigid.isActive()) impl_->awake.note(impl_->world, *body);
     impl_->awake_is_current = true;
   }
-  return impl_->awake;
+  return impl_->awake.bodies;
 }
 
 std::span<const BodyId> PhysicsWorld::ids() const {

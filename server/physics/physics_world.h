@@ -46,6 +46,8 @@ class BodyGlance {
  public:
   BodyGlance(const BulletWorld& world, const BulletBody& body) : world_(world), body_(body) {}
   BodyId id() const;
+  /// A small number that is the body's own for as long as it is in this world.
+  std::uint32_t slot() const;
   PrototypeId prototype() const;
   bool is_asleep() const;
   /// For how long it has been slower than PhysicsSettings' sleep speeds (s); for one that sleeps it
@@ -129,8 +131,12 @@ class PhysicsWorld {
   /// Bodies and stand-ins that share at least one contact point with `id` (a body or a stand-in);
   /// sorted. For one question; who asks about many takes contact_graph().
   std::vector<BodyId> touching(BodyId id) const;
-  /// Who touches whom in a group of bodies and stand-ins (ascending), the sleeping ones included.
-  void contact_graph(std::span<const BodyId> group, ContactGraph& graph) const;
+  /// Who touches whom, the sleeping ones included: bodies by their slots (BodyGlance::slot()),
+  /// stand-ins as outsiders.
+  void contact_graph(ContactGraph& graph) const;
+  /// The body in a slot that is taken; all slots are below slots().
+  BodyId body_in_slot(std::uint32_t slot) const;
+  std::size_t slots() const;
   /// True if something carries the body: a contact whose normal points up by more than `min_up`.
   bool is_supported(BodyId id, float min_up = 0.6f) const;
 
@@ -148,6 +154,9 @@ class PhysicsWorld {
   /// One look at each body in the order of their ids, without a search for any; `visit` changes
   /// nothing in this world.
   void for_each(const std::function<void(const BodyGlance&)>& visit) const;
+  /// One look at the n-th of awake(), or at a body by its id.
+  BodyGlance awake_glance(std::size_t n) const;
+  BodyGlance glance(BodyId id) const;
   PrototypeId prototype(BodyId id) const;
   BodyState state(BodyId id) const;
   WorldPosition position(BodyId id) const;

@@ -88,21 +88,40 @@ BulletBody* PhysicsWorld::Impl::create(const NewBody& body, Role role) {
   const auto [place, fresh] = by_id.try_emplace(body.id);
   AUREOLE_CHECK(fresh, "a body is added once");
   place->second = world.make_body(body, role);
-  world.insert(*place->second);
-  return place->second.get();
+  BulletBody& made = *place->second;
+  if (free_slots.empty()) {
+    made.slot = static_cast<std::uint32_t>(by_slot.size());
+    by_slot.push_back(body.id);
+  } else {
+    made.slot = free_slots.back();
+    free_slots.pop_back();
+    by_slot[made.slot] = body.id;
+  }
+  world.insert(made);
+  return &made;
 }
 
 void PhysicsWorld::Impl::destroy(BodyList& list, std::span<BulletBody* const> sorted, Wake wake) {
   if (sorted.empty()) return;
   world.erase(sorted, wake);
   list.leave(sorted);
-  for (BulletBody* body : sorted) by_id.erase(body->id);
+  for (BulletBody* body : sorted) {
+    free_slots.push_back(body->slot);
+    by_id.erase(body->id);
+  }
   changed();
 }
 
 void PhysicsWorld::Impl::changed() {
   awake_count.reset();
   awake_is_current = false;
+  contacts_are_current = false;
+}
+
+const ContactSurvey& PhysicsWorld::Impl::survey() const {
+  if (!contacts_are_current) survey_contacts(world, contacts);
+  contacts_are_current = true;
+  return contacts;
 }
 
 std::vector<NewBody> sorted_by_id(std::span<const NewBody> bodies) {

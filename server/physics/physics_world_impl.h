@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "server/physics/bullet/bullet_queries.h"
 #include "server/physics/bullet/bullet_shapes.h"
 #include "server/physics/bullet/bullet_world.h"
 #include "server/physics/physics_world.h"
@@ -45,17 +46,22 @@ struct PhysicsWorld::Impl {
   void destroy(BodyList& list, std::span<BulletBody* const> sorted, Wake wake);
   /// After anything that may change who touches whom or who is awake.
   void changed();
+  /// Who touches whom now; looked for once between two changes.
+  const ContactSurvey& survey() const;
 
   // Bullet's world knows the bodies and the bodies the shapes: the order below is that of dying.
   std::unique_ptr<ShapeLibrary> own_shapes;  ///< Null in a scratch world.
   std::unordered_map<BodyId, std::unique_ptr<BulletBody>> by_id;
+  std::vector<BodyId> by_slot;
+  std::vector<std::uint32_t> free_slots;
   BodyList bodies;  ///< Obstacles too.
   BodyList stand_ins;
   mutable BulletWorld world;  ///< Bullet's queries are not const; they change nothing.
   mutable std::optional<std::size_t> awake_count;
   mutable bool awake_is_current = false;
-  mutable std::vector<NewBody> awake;             ///< Kept for its memory.
-  mutable std::vector<ContactGraph::Edge> edges;  ///< Kept for their memory.
+  mutable AwakeBodies awake;       ///< Kept for its memory.
+  mutable ContactSurvey contacts;  ///< Kept for its memory.
+  mutable bool contacts_are_current = false;
 };
 
 /// A list of bodies in the order of their ids.

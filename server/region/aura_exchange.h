@@ -114,11 +114,12 @@ class AuraExchange {
     bool heard = false;                 ///< Something was received over this link.
     std::vector<Projection> projected;  ///< What the peer knows of us; ascending.
     std::vector<std::uint16_t> free_slots;
-    std::uint16_t next_slot = 0;         ///< Those from here on were never taken.
-    std::vector<RemoteAura> theirs;      ///< What we know of the peer; ascending.
-    std::vector<BodyId> their_slots;     ///< Whom the peer means by each slot.
-    std::vector<HandoverRequest> pulls;  ///< Of the newest message, until take_in().
-    std::vector<Wanted> wanted;          ///< Only used within announce(); kept for its memory.
+    std::uint16_t next_slot = 0;            ///< Those from here on were never taken.
+    std::vector<RemoteAura> theirs;         ///< What we know of the peer; ascending.
+    std::vector<BodyId> their_slots;        ///< Whom the peer means by each slot.
+    std::vector<HandoverRequest> pulls;     ///< Of the newest message, until take_in().
+    std::vector<Wanted> wanted;             ///< Only used within announce(); kept for its memory.
+    std::vector<Projection> projected_now;  ///< The same.
     SharedBytes frame;
   };
   struct Message;

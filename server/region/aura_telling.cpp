@@ -1,5 +1,6 @@
 // Telling auras: what a peer does not know yet, or knows otherwise.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "protocol/wire_values.h"
@@ -109,8 +110,8 @@ void AuraExchange::tell(Peer& peer, const Wanted& wanted, Projection& projection
 SharedBytes AuraExchange::frame_for(Peer& peer, const std::vector<HandoverRequest>& pulls, Tick now,
                                     const AuraBodies& bodies) {
   Message message;
-  std::vector<Projection> projected;
-  projected.reserve(peer.wanted.size());
+  std::vector<Projection>& projected = peer.projected_now;
+  projected.clear();
   auto before = peer.projected.begin();
   const auto withdraw = [&](const Projection& gone) {
     (bodies.was_handed_over(gone.id) ? message.handed_over : message.removed)
@@ -124,7 +125,7 @@ SharedBytes AuraExchange::frame_for(Peer& peer, const std::vector<HandoverReques
     tell(peer, wanted, projected.back(), known, bodies, message);
   }
   while (before != peer.projected.end()) withdraw(*before++);
-  peer.projected = std::move(projected);
+  peer.projected.swap(projected);
   if (peer.greeted && message.empty() && pulls.empty()) return nullptr;
   peer.greeted = true;
 
@@ -162,9 +163,11 @@ SharedBytes AuraExchange::frame_for(Peer& peer, const std::vector<HandoverReques
 
 void AuraExchange::announce(Tick now, const MigrationDecision& decision, const AuraBodies& bodies) {
   changed_ = false;
+  std::array<Peer*, RegionSet::capacity> listening{};
   for (auto& [id, peer] : peers_) {
     peer.frame.reset();
     peer.wanted.clear();
+    if (peer.up && id.value < listening.size()) listening[id.value] = &peer;
   }
   for (const ProjectedAura& aura : decision.projected) {
     Sent sent;
@@ -181,14 +184,14 @@ void AuraExchange::announce(Tick now, const MigrationDecision& decision, const A
     sent.flags = static_cast<std::uint8_t>((aura.asleep ? asleep_flag : 0) |
                                            (aura.resting ? resting_flag : 0));
     sent.speed = rounded_up(aura.speed_mps, speed_step_mps);
-    for (RegionId to : aura.to) {
-      const auto peer = peers_.find(to);
-      if (peer == peers_.end() || !peer->second.up) continue;
-      std::vector<Wanted>& wanted = peer->second.wanted;
+    aura.to.for_each([&](RegionId to) {
+      Peer* const peer = listening[to.value];
+      if (peer == nullptr) return;
+      std::vector<Wanted>& wanted = peer->wanted;
       AUREOLE_CHECK(wanted.empty() || wanted.back().id < aura.id,
                     "a policy names each aura once, in ascending order");
       wanted.push_back({aura.id, sent});
-    }
+    });
   }
   std::map<RegionId, std::vector<HandoverRequest>> pulls;
   for (const Pull& pull : decision.pulls)

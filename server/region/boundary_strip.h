@@ -20,12 +20,10 @@ class BoundaryStrip final : public View {
   /// Once a tick: where others have something inside our region, and how deep the strip is now.
   void note(std::span<const RemoteAura> remote, double depth_m);
 
-  bool holds(const WorldPosition& at) const {
-    if (!(at.x >= inner_.min_x && at.x < inner_.max_x && at.z >= inner_.min_z &&
-          at.z < inner_.max_z))
-      return true;
-    return visited_ && is_marked(column(at.x), row(at.z));
+  bool holds(double x, double z) const override {
+    return !inner_.contains(x, z) || (visited_ && is_marked(column(x), row(z)));
   }
+  bool holds(const WorldPosition& at) const { return holds(at.x, at.z); }
   bool shows(const AuraBox& room) const override;
 
  private:

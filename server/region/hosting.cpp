@@ -66,6 +66,7 @@ void Hosting::erase_record(BodyId id) {
 /// One pass, however many have come and gone.
 void Hosting::bring_in_order() {
   next_ = 0;
+  changed_.clear();
   if (out_of_order_.empty()) return;
   std::sort(out_of_order_.begin(), out_of_order_.end());
   const auto last = std::unique(out_of_order_.begin(), out_of_order_.end());
@@ -81,7 +82,7 @@ void Hosting::bring_in_order() {
       in_order_.push_back({id, &at->second});
   std::inplace_merge(in_order_.begin(), in_order_.begin() + middle, in_order_.end(),
                      [](const Entry& a, const Entry& b) { return a.id < b.id; });
-  out_of_order_.clear();
+  changed_.swap(out_of_order_);
 }
 
 Hosting::Record& Hosting::record_in_order(BodyId id) {
@@ -123,26 +124,49 @@ void Hosting::remove(std::span<const BodyId> ids) {
   counts_.removed += ids.size();
 }
 
-void Hosting::begin_look(Tick now) {
+std::span<const BodyId> Hosting::begin_look(Tick now) {
   if (now != last_look_) look_before_ = std::exchange(last_look_, now);
   bring_in_order();
+  return changed_;
 }
 
-void Hosting::look(HostedBody& body, Tick now, float slow_for_s) {
-  Record& record = record_in_order(body.id);
-  if (record.looked_at < look_before_ || !record.moved)
-    record.moved =
-        body.asleep ? never_changed : now - static_cast<std::int64_t>(slow_for_s / tick_s);
-  if (body.motion_speed_mps >= still_speed_mps) record.moved = now;
-  record.looked_at = now;
-  body.still_ticks = clamped_ticks(now - *record.moved, still_ticks_max);
+void Hosting::tell_history(const Record& record, HostedBody& body) {
   body.changed_owner = record.changed_owner;
   body.changed_owner_before = record.changed_owner_before;
   body.came_from = record.came_from;
 }
 
+void Hosting::look(HostedBody& body, Tick now, float slow_for_s) {
+  Record& record = record_in_order(body.id);
+  if (record.lies) {
+    record.moved = never_changed;
+  } else if (record.looked_at < look_before_ || !record.moved) {
+    record.moved =
+        body.asleep ? never_changed : now - static_cast<std::int64_t>(slow_for_s / tick_s);
+  }
+  if (body.motion_speed_mps >= still_speed_mps) record.moved = now;
+  record.looked_at = now;
+  body.still_ticks = clamped_ticks(now - *record.moved, still_ticks_max);
+  tell_history(record, body);
+}
+
+void Hosting::lie_down(HostedBody& body) {
+  Record& record = records_.at(body.id);
+  record.lies = true;
+  body.still_ticks = still_ticks_max;
+  tell_history(record, body);
+}
+
+void Hosting::wake_up(BodyId id) {
+  Record& record = records_.at(id);
+  record.lies = false;
+  record.moved = never_changed;
+  record.looked_at = look_before_;
+}
+
 std::uint8_t Hosting::still_ticks(BodyId id, Tick now) const {
   const Record& record = records_.at(id);
+  if (record.lies) return still_ticks_max;
   if (record.looked_at < last_look_) return physics_.is_asleep(id) ? still_ticks_max : 0;
   return clamped_ticks(now - record.moved.value_or(now), still_ticks_max);
 }

@@ -40,12 +40,17 @@ class Hosting {
   Tick changed_owner(BodyId id) const { return records_.at(id).changed_owner; }
   Version version(BodyId id) const { return {epoch(id), incarnation_, self_}; }
   /// Call before each pass over bodies that are looked at; nobody may come or go during it.
-  void begin_look(Tick now);
+  /// Returns who has come or gone since the last call, ascending, valid until the next.
+  std::span<const BodyId> begin_look(Tick now);
   /// Call for each body that is looked at, in the order of their ids, with its id, surface speed
   /// and whether it sleeps: fills in for how many ticks it has been still and when its owner
   /// changed. Of one that was not looked at in the last such tick nothing is known but for how long
   /// it has been slow.
   void look(HostedBody& body, Tick now, float slow_for_s);
+  /// Instead of look(), once, for one that has fallen asleep: until wake_up() it lies still.
+  void lie_down(HostedBody& body);
+  /// Of one that has been woken; that alone does not make it move.
+  void wake_up(BodyId id);
   std::uint8_t still_ticks(BodyId id, Tick now) const;
   bool lies_still(BodyId id, Tick now) const { return still_ticks(id, now) >= resting_ticks; }
 
@@ -93,9 +98,11 @@ class Hosting {
     Tick changed_owner_before;  ///< The change before the last one.
     RegionId came_from;
     Tick looked_at = born_now;  ///< When it was last looked at; whoever comes is looked at.
+    bool lies = false;          ///< See lie_down().
   };
   bool make_record(BodyId id, const Record& record);
   void erase_record(BodyId id);
+  static void tell_history(const Record& record, HostedBody& body);
   void bring_in_order();
   Record& record_in_order(BodyId id);
   void find_contacts_of_sleepers(std::span<const NewBody> bodies);
@@ -120,6 +127,7 @@ class Hosting {
   std::vector<Entry> in_order_;
   std::size_t next_ = 0;              ///< Where a pass has come to.
   std::vector<BodyId> out_of_order_;  ///< Came or went since.
+  std::vector<BodyId> changed_;       ///< The same, as of the last look.
   Tick last_look_, look_before_;
   std::vector<RemovedBody> removed_;
   Counts counts_;

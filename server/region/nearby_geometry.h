@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "server/aura/migration_policy.h"
-#include "server/aura/overlap_grid.h"
+#include "server/aura/box_rows.h"
 #include "server/physics/body.h"
 
 namespace aureole {

@@ -34,8 +34,7 @@ RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation 
       hosting_(world, self, incarnation),
       players_(world, map_, self, hosting_),
       stand_ins_(hosting_.physics()),
-      nearby_geometry_(hosting_.statics()),
-      strip_(map_, self_),
+      hosted_bodies_(map_, self_, hosting_.statics()),
       injected_(world.injectors.size(), 0),
       tolerances_(world.tolerances, self, world.regions.size()) {
   AUREOLE_CHECK(self.value < world.regions.size(), "a core is one of its world's regions");
@@ -179,10 +178,8 @@ std::vector<RegionId> RegionCore::closed_regions() const {
   return closed;
 }
 
-bool RegionCore::waits_for_auras(RegionId region, Tick now) const {
-  const auto at = peers_.find(PeerId::region(region));
-  return at != peers_.end() && !aura_exchange_.has_heard(region) &&
-         now - at->second.up_since <= await_auras_ticks;
+bool RegionCore::waits_for_auras(RegionId region, const Peer& peer, Tick now) const {
+  return now - peer.up_since <= await_auras_ticks && !aura_exchange_.has_heard(region);
 }
 
 std::uint64_t RegionCore::state_hash() const {

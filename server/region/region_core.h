@@ -21,12 +21,11 @@
 #include "server/base/result.h"
 #include "server/base/tick.h"
 #include "server/region/aura_exchange.h"
-#include "server/region/boundary_strip.h"
 #include "server/region/followed_latency.h"
 #include "server/region/handoff/handoff.h"
 #include "server/region/handoff/journal.h"
+#include "server/region/hosted_bodies.h"
 #include "server/region/hosting.h"
-#include "server/region/nearby_geometry.h"
 #include "server/region/players/effects.h"
 #include "server/region/players/players.h"
 #include "server/region/recovery/recovery.h"
@@ -176,9 +175,8 @@ class RegionCore {
   void apply_blasts(Tick now);
   void remove_strays(Tick now);
   void migrate(Tick now);
-  HostedBody hosted_body(const BodyGlance& seen, Tick now);
-  enum class Shown { strip, everything };
-  std::vector<HostedBody> hosted_bodies(Tick now, Shown shown);
+  std::vector<BodyId> stirred_bodies(Tick now) const;
+  std::span<const HostedBody> look_at_hosted(Tick now, bool whole);
   MigrationDecision decide(Tick now);
   void foresee_blasts(std::vector<HostedBody>& hosted, Tick now) const;
   void foresee_deeds(std::vector<HostedBody>& hosted, Tick now);
@@ -193,7 +191,7 @@ class RegionCore {
   std::vector<VersionedBody> passive_copies() const;
   bool has_room(std::size_t more) const;
   bool is_up(RegionId region) const;
-  bool waits_for_auras(RegionId region, Tick now) const;
+  bool waits_for_auras(RegionId region, const Peer& peer, Tick now) const;
   std::vector<RegionId> closed_regions() const;
   SharedBytes status_frame(Tick now, const ShellMeasurements& measured) const;
   SharedBytes acknowledgement(Peer& peer);
@@ -229,8 +227,7 @@ class RegionCore {
   std::vector<PlayerCommand> arrived_commands_;
   std::deque<BlastEffect> blasts_;           ///< To come and recent, by tick.
   std::map<BodyId, Tick> pending_removals_;  ///< Of bodies that may be on their way here.
-  NearbyGeometry nearby_geometry_;
-  BoundaryStrip strip_;
+  HostedBodies hosted_bodies_;
   std::vector<RemoteAura> remote_auras_;  ///< Of bodies that are not hosted here.
   PlayerOutput player_output_;
   std::vector<Outgoing> outbox_;

@@ -13,26 +13,21 @@ namespace {
 /// What the policy may ask of contacts; found out when it first asks.
 class Touching final : public ContactSource {
  public:
-  Touching(const PhysicsWorld& physics, std::span<const HostedBody> hosted)
-      : physics_(physics), hosted_(hosted) {}
-  std::span<const std::uint32_t> touching(std::uint32_t body) const override {
-    return graph().touching(body);
+  explicit Touching(const PhysicsWorld& physics) : physics_(physics) {}
+  std::size_t find_touching(std::uint32_t slot, std::vector<std::uint32_t>& found) const override {
+    return graph().find_touching(slot, found);
   }
-  std::size_t leaning_on(std::uint32_t body) const override { return graph().leaning_on(body); }
+  std::size_t slots() const override { return physics_.slots(); }
+  BodyId body_in(std::uint32_t slot) const override { return physics_.body_in_slot(slot); }
 
  private:
   const ContactGraph& graph() const {
-    if (known_) return graph_;
-    std::vector<BodyId> ids;
-    ids.reserve(hosted_.size());
-    for (const HostedBody& body : hosted_) ids.push_back(body.id);
-    physics_.contact_graph(ids, graph_);
+    if (!known_) physics_.contact_graph(graph_);
     known_ = true;
     return graph_;
   }
 
   const PhysicsWorld& physics_;
-  std::span<const HostedBody> hosted_;
   mutable ContactGraph graph_;
   mutable bool known_ = false;
 };
@@ -121,44 +116,34 @@ void RegionCore::foresee_deeds(std::vector<HostedBody>& hosted, Tick now) {
   }
 }
 
-HostedBody RegionCore::hosted_body(const BodyGlance& seen, Tick now) {
-  const PrototypeId prototype = seen.prototype();
-  const BodyDefinition& definition = hosting_.definitions()[prototype.value];
-  const BodyState state = seen.state();
-  const Spine& spine = hosting_.spine(prototype);
-  HostedBody body;
-  body.id = seen.id();
-  body.position = state.position;
-  body.half_extents = seen.half_extents().cast<double>();
-  body.bounding_radius_m = hosting_.radius(prototype);
-  body.half_spine = (state.orientation * spine.half).cast<double>();
-  body.girth_m = double{spine.girth};
-  body.velocity_mps = state.linear_velocity.cast<double>();
-  body.asleep = state.activation == Activation::asleep;
-  if (!body.asleep)
-    body.motion_speed_mps = double{motion_speed(definition.shape, state.orientation,
-                                                state.linear_velocity, state.angular_velocity)};
-  body.mass_kg = definition.mass_kg;
-  body.restitution = definition.restitution;
-  body.round = std::holds_alternative<SphereShape>(definition.shape);
-  hosting_.look(body, now, seen.slow_for_s());
-  body.pressed = stand_in_watch_.is_pressed(body.id, now);
-  if (body.still_ticks == 0) nearby_geometry_.look(body, reach_time_s(tolerances_.limits()));
-  return body;
+/// With whom something is to happen though it may sleep. Ascending.
+std::vector<BodyId> RegionCore::stirred_bodies(Tick now) const {
+  std::vector<BodyId> stirred;
+  stand_in_watch_.append_pressed(now, stirred);
+  for (const Avatar* avatar : players_.avatars()) {
+    stirred.push_back(avatar->body());
+    if (avatar->carried != BodyId{}) stirred.push_back(avatar->carried);
+  }
+  if (const Sleepers* sleepers = hosted_bodies_.sleepers()) {
+    std::vector<Sleepers::Place> struck;
+    for (const BlastEffect& blast : blasts_)
+      if (blast.tick > now)
+        sleepers->rows().find(
+            {blast.position.vector(), Eigen::Vector3d::Constant(double{blast.radius_m})}, struck);
+    for (const Sleepers::Place place : struck) stirred.push_back(sleepers->body(place).id);
+  }
+  std::sort(stirred.begin(), stirred.end());
+  stirred.erase(std::unique(stirred.begin(), stirred.end()), stirred.end());
+  return stirred;
 }
 
-/// What decisions may depend on; see BoundaryStrip.
-std::vector<HostedBody> RegionCore::hosted_bodies(Tick now, Shown shown) {
-  std::vector<BodyId> wanted;
-  for (const HandoverRequest& request : handover_requests_) wanted.push_back(request.body);
-  strip_.note(remote_auras_, policy_->depth_m());
-  hosting_.begin_look(now);
-  std::vector<HostedBody> hosted;
-  hosting_.physics().for_each([&](const BodyGlance& seen) {
-    if (shown == Shown::everything || strip_.holds(seen.position()) ||
-        std::binary_search(wanted.begin(), wanted.end(), seen.id()))
-      hosted.push_back(hosted_body(seen, now));
-  });
+std::span<const HostedBody> RegionCore::look_at_hosted(Tick now, bool whole) {
+  std::vector<BodyId> asked_for;
+  for (const HandoverRequest& request : handover_requests_) asked_for.push_back(request.body);
+  const std::vector<BodyId> stirred = stirred_bodies(now);
+  std::vector<HostedBody>& hosted = hosted_bodies_.look(
+      hosting_, {stand_in_watch_, reach_time_s(tolerances_.limits()), whole, asked_for, stirred},
+      now);
   for (const Avatar* avatar : players_.avatars()) {
     if (avatar->carried == BodyId{} || !index_of(hosted, avatar->body())) continue;
     if (const auto carried = index_of(hosted, avatar->carried))
@@ -182,15 +167,19 @@ Hosting::Cut RegionCore::cut() const {
 }
 
 MigrationDecision RegionCore::decide(Tick now) {
-  std::vector<bool> linked;
-  for (std::uint16_t i = 0; i < map_.size(); ++i)
-    linked.push_back(is_up(RegionId{i}) && !waits_for_auras(RegionId{i}, now));
+  std::vector<bool> linked(map_.size(), false);
+  for (const auto& [id, peer] : peers_)
+    if (id.is_region())
+      linked[id.as_region().value] =
+          peer.up && !peer.recovering && !waits_for_auras(id.as_region(), peer, now);
   MigrationDecision decision;
-  for (const Shown shown : {Shown::strip, Shown::everything}) {
-    const std::vector<HostedBody> hosted = hosted_bodies(now, shown);
-    const Touching contacts(hosting_.physics(), hosted);
+  hosted_bodies_.begin(hosting_, remote_auras_, policy_->depth_m(), now);
+  const Touching contacts(hosting_.physics());
+  for (const bool whole : {false, true}) {
+    const std::span<const HostedBody> hosted = look_at_hosted(now, whole);
     decision = policy_->decide({now, self_, map_, hosted, remote_auras_, handover_requests_, linked,
-                                &contacts, shown == Shown::strip ? &strip_ : nullptr});
+                                &contacts, whole ? nullptr : &hosted_bodies_.strip(),
+                                hosted_bodies_.sleepers()});
     if (!decision.sees_too_little) break;
     ++extra_.whole_looks;
   }

@@ -324,7 +324,7 @@ SharedBytes RegionCore::acknowledgement(Peer& peer) {
 
 void RegionCore::publish(Tick now, const SharedBytes& update, const ShellMeasurements& measured) {
   const auto avatars = players_.avatars();
-  SharedBytes status;
+  SharedBytes status, sign_of_life;
   if (now.value % status_interval_ticks == 0) status = status_frame(now, measured);
   for (auto& [id, peer] : peers_) {
     if (!peer.up) continue;
@@ -338,7 +338,8 @@ void RegionCore::publish(Tick now, const SharedBytes& update, const ShellMeasure
           outbox_.push_back({id, std::move(frame)});
       peer.asked_round = 0;
       SharedBytes auras = aura_exchange_.take_frame(id.as_region());
-      outbox_.push_back({id, auras ? std::move(auras) : AuraExchange::sign_of_life(now)});
+      if (!auras && !sign_of_life) sign_of_life = AuraExchange::sign_of_life(now);
+      outbox_.push_back({id, auras ? std::move(auras) : sign_of_life});
     } else if (peer.wants_whole_state) {
       peer.wants_whole_state = false;
       for (SharedBytes& frame :

@@ -76,7 +76,7 @@ class AdaptivePolicy final : public MigrationPolicy {
     if (s.now - last_homecoming_ >= homecoming_interval_ticks) {
       last_homecoming_ = s.now;
       for (const Homecoming::Island& island :
-           homecoming_.islands(s, outlook_, clusters_, contests_.contested()))
+           homecoming_.islands(s, outlook_, clusters_, contests_))
         for (const Clusters::Number cluster : island.clusters)
           send(s, cluster, island.home, leaving);
     }
@@ -100,9 +100,9 @@ class AdaptivePolicy final : public MigrationPolicy {
   bool sees_enough(const MigrationSituation& s) {
     if (s.view == nullptr) return true;
     for (const HandoverRequest& request : s.requested)
-      if (const auto body = index_of(s.hosted, request.body)) clusters_.of(*body);
+      if (const auto body = outlook_.stage().number_of(request.body)) clusters_.of(*body);
     // So far only of what is asked for or meets others' auras is the cluster known.
-    for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
+    for (std::uint32_t i = 0; i < outlook_.size(); ++i) {
       if (!clusters_.known(i)) continue;
       AuraBox reach = outlook_.box(i);
       reach.half.array() += longest_aura_m_;
@@ -115,12 +115,12 @@ class AdaptivePolicy final : public MigrationPolicy {
     if (clusters_.sent(cluster) || to == s.self || !s.linked[to.value]) return;
     clusters_.note_sent(cluster);
     for (std::uint32_t member : clusters_.members(cluster))
-      leaving[to].push_back(s.hosted[member].id);
+      leaving[to].push_back(outlook_.body(member).id);
   }
 
   void answer_requests(const MigrationSituation& s, Leaving& leaving) {
     for (const HandoverRequest& request : s.requested) {
-      const auto body = index_of(s.hosted, request.body);
+      const auto body = outlook_.stage().number_of(request.body);
       if (!body) continue;
       // Who asks does not see all of the cluster: it may reach where it would be fetched on to.
       const Clusters::Number cluster = clusters_.of(*body);
@@ -135,29 +135,28 @@ class AdaptivePolicy final : public MigrationPolicy {
   void project(const MigrationSituation& s, MigrationDecision& decision) {
     const Rectangle& home = s.map.area(s.self);
     decision.projected.reserve(s.remote.size() + 64);  // About as many as others tell of.
-    for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
+    for (const std::uint32_t i : outlook_.stage().ascending()) {
       const auto cluster = clusters_.known(i);
       if (cluster && clusters_.sent(*cluster)) continue;
       const AuraBox& box = outlook_.box(i);
-      const RegionSet visitors = contests_.visitors()[i];
+      const RegionSet visitors =
+          i < contests_.visitors().size() ? contests_.visitors()[i] : RegionSet{};
       RegionSet told = visitors;
-      const bool inside = box.centre.x() - box.half.x() >= home.min_x &&
-                          box.centre.x() + box.half.x() < home.max_x &&
-                          box.centre.z() - box.half.z() >= home.min_z &&
-                          box.centre.z() + box.half.z() < home.max_z;
+      const bool inside = home.holds(box.centre.x() - box.half.x(), box.centre.z() - box.half.z(),
+                                     box.centre.x() + box.half.x(), box.centre.z() + box.half.z());
       if (!inside)
         told.add(audience_of(s.map, s.self, WorldPosition::from(box.centre),
                              audience_room * std::max(box.half.x(), box.half.z())));
       told.remove(s.self);
       if (told.empty()) continue;
       ProjectedAura& aura = decision.projected.emplace_back();
-      aura.id = s.hosted[i].id;
+      aura.id = outlook_.body(i).id;
       aura.room = outlook_.aura(i);
-      aura.asleep = s.hosted[i].asleep;
+      aura.asleep = outlook_.body(i).asleep;
       aura.resting = outlook_.rests(i);
       aura.speed_mps = outlook_.expected_mps(i);
       if (!visitors.empty()) aura.company = contests_.company_of(i);
-      aura.to = told.regions();
+      aura.to = told;
     }
   }
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "server/aura/aura_radius.h"
+#include "server/aura/box_rows.h"
 #include "server/aura/migration_policy.h"
-#include "server/aura/overlap_grid.h"
 
 namespace aureole {
 

@@ -26,96 +26,93 @@ double gap_of_spheres(const HostedBody& a, const HostedBody& b) {
 
 }  // namespace
 
-void BlowForecast::disturb(std::uint32_t index, double speed_mps, double after_s) {
-  double& way_m = forecast_->way_m[index];
+void BlowForecast::disturb(std::uint32_t number, double speed_mps, double after_s) {
+  double& way_m = forecast_->of(number).way_m;
   way_m = std::max(way_m, speed_mps * std::max(0.0, reach_s_ - after_s));
 }
 
-void BlowForecast::strike(const HostedBody& struck, std::uint32_t index, const Blow& blow,
-                          double restitution) {
+void BlowForecast::strike(std::uint32_t number, const Blow& blow, double restitution) {
+  const HostedBody& struck = stage_->body(number);
   const double speed_mps = blow.speed_mps(struck.mass_kg, restitution);
   if (speed_mps < blow_speed_min_mps) return;
-  double& expected_mps = forecast_->expected_mps[index];
+  Forecast::Fate& fate = forecast_->of(number);
   const double way_m = speed_mps * std::max(0.0, reach_s_ - blow.after_s);
-  if (speed_mps <= expected_mps && way_m <= forecast_->way_m[index] + further_m) return;
-  Blow& hardest = blows_[index];
+  if (speed_mps <= fate.expected_mps && way_m <= fate.way_m + further_m) return;
+  Blow& hardest = fate.blow;
   const bool first = hardest.momentum_kgmps <= 0;
   // Of two blows the harder one goes on, as early as the earlier one.
   const double after_s = first ? blow.after_s : std::min(blow.after_s, hardest.after_s);
-  if (first || speed_mps > expected_mps)
+  if (first || speed_mps > fate.expected_mps)
     hardest = {blow.momentum_kgmps, blow.moving_kg + struck.mass_kg, after_s};
   hardest.after_s = after_s;
-  expected_mps = std::max(expected_mps, speed_mps);
-  disturb(index, speed_mps, blow.after_s);
+  fate.expected_mps = std::max(fate.expected_mps, speed_mps);
+  disturb(number, speed_mps, blow.after_s);
   // Who waits already passes on the hardest that it will have taken by then.
-  if (std::exchange(waits_[index], true)) return;
-  front_.push_back(index);
+  if (std::exchange(fate.waits, true)) return;
+  front_.push_back(number);
 }
 
-void BlowForecast::compute(const MigrationSituation& s, const Motion& motion, Forecast& forecast) {
+void BlowForecast::compute(const MigrationSituation& s, Stage& stage,
+                           std::span<const double> moving_mps, Forecast& forecast) {
   forecast_ = &forecast;
-  const auto count = static_cast<std::uint32_t>(s.hosted.size());
-  const auto& [moving_mps, auras, boxes, grid] = motion;
-  forecast.expected_mps.assign(count, 0.0);
-  forecast.way_m.assign(count, 0.0);
-  blows_.assign(count, {});
-  waits_.assign(count, false);
+  stage_ = &stage;
+  forecast.clear();
   front_.clear();
-  for (std::uint32_t i = 0; i < count; ++i) forecast.expected_mps[i] = std::max(moving_mps[i], 0.0);
+  const auto count = static_cast<std::uint32_t>(moving_mps.size());
+  for (std::uint32_t i = 0; i < count; ++i)
+    forecast.of(i).expected_mps = std::max(moving_mps[i], 0.0);
+  const auto own_mps = [&](std::uint32_t number) {
+    return number < count ? std::max(moving_mps[number], 0.0) : 0.0;
+  };
   for (std::uint32_t i = 0; i < count; ++i) {
     if (moving_mps[i] < 0) continue;
-    const HostedBody& striking = s.hosted[i];
+    const HostedBody& striking = stage.body(i);
     found_.clear();
-    grid.find(boxes[i], found_);
-    for (std::uint32_t other : found_) {
-      if (other == i || !overlap(auras[i], auras[other])) continue;
-      const HostedBody& struck = s.hosted[other];
+    stage.find(stage.box(i), found_);
+    for (const std::uint32_t other : found_) {
+      if (other == i || !overlap(stage.aura(i), stage.aura(other))) continue;
+      const HostedBody& struck = stage.body(other);
       const double restitution = striking.restitution * struck.restitution;
-      const double closing = moving_mps[i] + std::max(moving_mps[other], 0.0);
+      const double closing = moving_mps[i] + own_mps(other);
       const double gap = gap_m(room_of(striking), room_of(struck));
       const double after_s = std::max(0.0, gap) / (closing + gravity_mps2 * reach_s_);
       disturb(i, moving_mps[i], after_s);
-      if (moving_mps[other] > 0) disturb(other, moving_mps[other], after_s);
+      if (own_mps(other) > 0) disturb(other, own_mps(other), after_s);
       if (striking.deed_speed_mps > 0)
-        strike(struck, other,
-               {striking.deed_mass_kg * striking.deed_speed_mps, striking.deed_mass_kg},
+        strike(other, {striking.deed_mass_kg * striking.deed_speed_mps, striking.deed_mass_kg},
                restitution);
-      strike(struck, other, {striking.mass_kg * closing, striking.mass_kg, after_s}, restitution);
+      strike(other, {striking.mass_kg * closing, striking.mass_kg, after_s}, restitution);
     }
   }
   for (const RemoteAura& aura : s.remote) {
     found_.clear();
-    grid.find(aura.room.box(), found_);
-    for (std::uint32_t other : found_) {
-      if (!overlap(aura.room, auras[other])) continue;
-      const HostedBody& struck = s.hosted[other];
-      const double closing = aura.speed_mps + std::max(moving_mps[other], 0.0);
-      if (moving_mps[other] > 0) disturb(other, moving_mps[other], 0);
+    stage.find(aura.room.box(), found_);
+    for (const std::uint32_t other : found_) {
+      if (!overlap(aura.room, stage.aura(other))) continue;
+      if (own_mps(other) > 0) disturb(other, own_mps(other), 0);
       if (!aura.resting)
-        strike(struck, other, {aura.mass_kg * closing, aura.mass_kg}, struck.restitution);
+        strike(other, {aura.mass_kg * (aura.speed_mps + own_mps(other)), aura.mass_kg},
+               stage.body(other).restitution);
     }
   }
-  if (s.contacts != nullptr) pass_on(s, grid);
+  if (s.contacts != nullptr) pass_on();
 }
 
 /// Sorts what is around a struck body into what it touches and what it may fly into.
-void BlowForecast::look_around(const MigrationSituation& s, const OverlapGrid& grid,
-                               std::uint32_t from, double flight_m) {
-  const HostedBody& body = s.hosted[from];
+void BlowForecast::look_around(std::uint32_t from, double flight_m) {
+  const HostedBody& body = stage_->body(from);
   near_.clear();
-  const auto partners = s.contacts->touching(from);
-  touched_.assign(partners.begin(), partners.end());
-  leaning_on_ = s.contacts->leaning_on(from);
+  leaning_on_ = stage_->find_touching(from, touched_);
   const bool flies = flight_m > contact_margin_m;
   if (!body.round && !flies) return;
   AuraBox reach{body.position.vector(), body.half_extents};
   reach.half.array() += std::max(flight_m, spheres_touch_m);
   found_.clear();
-  grid.find(reach, found_);
-  for (std::uint32_t other : found_) {
+  stage_->find(reach, found_);
+  for (const std::uint32_t other : found_) {
     if (other == from || std::find(touched_.begin(), touched_.end(), other) != touched_.end())
       continue;
-    const HostedBody& next = s.hosted[other];
+    const HostedBody& next = stage_->body(other);
     if (body.round && next.round) {
       const double gap = gap_of_spheres(body, next);
       if (gap < spheres_touch_m) {
@@ -130,27 +127,28 @@ void BlowForecast::look_around(const MigrationSituation& s, const OverlapGrid& g
   }
 }
 
-void BlowForecast::pass_on(const MigrationSituation& s, const OverlapGrid& grid) {
+void BlowForecast::pass_on() {
   for (std::size_t k = 0; k < front_.size(); ++k) {
     const std::uint32_t from = front_[k];
-    waits_[from] = false;
-    const HostedBody& body = s.hosted[from];
-    const Blow taken = blows_[from];
-    const double speed_mps = forecast_->expected_mps[from];
-    look_around(s, grid, from, speed_mps * std::max(0.0, reach_s_ - taken.after_s));
+    Forecast::Fate& fate = forecast_->of(from);
+    fate.waits = false;
+    const HostedBody& body = stage_->body(from);
+    const Blow taken = fate.blow;
+    const double speed_mps = fate.expected_mps;
+    look_around(from, speed_mps * std::max(0.0, reach_s_ - taken.after_s));
     // One of them is where the blow came from. Those of other servers count too: their owners hear
     // of our aura.
     const auto onward = static_cast<double>(std::max<std::size_t>(leaning_on_, 2) - 1);
     Blow share = taken;
     share.momentum_kgmps *= std::min(1.0, unevenness / onward);
-    for (std::uint32_t to : touched_)
-      strike(s.hosted[to], to, share, body.restitution * s.hosted[to].restitution);
-    for (std::uint32_t to : near_) {
-      const double gap = gap_m(room_of(body), room_of(s.hosted[to]));
+    for (const std::uint32_t to : touched_)
+      strike(to, share, body.restitution * stage_->body(to).restitution);
+    for (const std::uint32_t to : near_) {
+      const double gap = gap_m(room_of(body), room_of(stage_->body(to)));
       const Blow alone{body.mass_kg * speed_mps, body.mass_kg,
                        taken.after_s + std::max(0.0, gap) / speed_mps};
       if (alone.after_s < reach_s_)
-        strike(s.hosted[to], to, alone, body.restitution * s.hosted[to].restitution);
+        strike(to, alone, body.restitution * stage_->body(to).restitution);
     }
   }
 }

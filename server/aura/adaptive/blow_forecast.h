@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "server/aura/adaptive/stage.h"
 #include "server/aura/migration_policy.h"
-#include "server/aura/overlap_grid.h"
 
 namespace aureole {
 
@@ -26,14 +26,35 @@ struct Blow {
   }
 };
 
-/// What may become of each body, by its index in `hosted`.
-struct Forecast {
+/// What may become of each body, by its number on the stage. Whoever came later rests and will not
+/// be struck.
+class Forecast {
+ public:
+  void clear() { fates_.clear(); }
+  std::uint32_t size() const { return static_cast<std::uint32_t>(fates_.size()); }
   /// The fastest that each may soon move, by itself or because of a blow (m/s); 0 for what rests
   /// and will not be struck.
-  std::vector<double> expected_mps;
+  double expected(std::uint32_t number) const {
+    return number < fates_.size() ? fates_[number].expected_mps : 0.0;
+  }
   /// How far it may get in whatever direction within the reach time, apart from where it is going
   /// (m): its speed for as long as there is left after a blow that it takes or deals.
-  std::vector<double> way_m;
+  double way(std::uint32_t number) const {
+    return number < fates_.size() ? fates_[number].way_m : 0.0;
+  }
+
+ private:
+  friend class BlowForecast;
+  struct Fate {
+    double expected_mps = 0, way_m = 0;
+    Blow blow;           ///< The hardest that it may take.
+    bool waits = false;  ///< To have it passed on.
+  };
+  Fate& of(std::uint32_t number) {
+    if (fates_.size() <= number) fates_.resize(number + 1);
+    return fates_[number];
+  }
+  std::vector<Fate> fates_;
 };
 
 /// Who may soon be struck.
@@ -48,27 +69,21 @@ class BlowForecast {
  public:
   explicit BlowForecast(double reach_s) : reach_s_(reach_s) {}
 
-  /// What bodies do by themselves, by their index in `hosted`.
-  struct Motion {
-    std::span<const double> moving_mps;  ///< Each body's own speed, negative for one that rests.
-    std::span<const AuraCapsule> auras;
-    std::span<const AuraBox> boxes;  ///< Around the auras, in `grid`.
-    const OverlapGrid& grid;
-  };
-  void compute(const MigrationSituation& situation, const Motion& motion, Forecast& forecast);
+  /// `moving_mps`: each one's own speed, negative for one that rests, of the first on the stage;
+  /// the others rest.
+  void compute(const MigrationSituation& situation, Stage& stage,
+               std::span<const double> moving_mps, Forecast& forecast);
 
  private:
-  void strike(const HostedBody& struck, std::uint32_t index, const Blow& blow, double restitution);
-  void disturb(std::uint32_t index, double speed_mps, double after_s);
-  void pass_on(const MigrationSituation& situation, const OverlapGrid& grid);
-  void look_around(const MigrationSituation& situation, const OverlapGrid& grid, std::uint32_t from,
-                   double flight_m);
+  void strike(std::uint32_t struck, const Blow& blow, double restitution);
+  void disturb(std::uint32_t number, double speed_mps, double after_s);
+  void pass_on();
+  void look_around(std::uint32_t from, double flight_m);
 
   double reach_s_;
-  Forecast* forecast_ = nullptr;      ///< Within compute().
-  std::vector<Blow> blows_;           ///< The hardest that each body may take.
+  Forecast* forecast_ = nullptr;  ///< Within compute().
+  Stage* stage_ = nullptr;
   std::vector<std::uint32_t> front_;  ///< Bodies whose blow has not been passed on yet.
-  std::vector<char> waits_;           ///< Whether it is in what is left of the front.
   std::vector<std::uint32_t> found_;
   std::vector<std::uint32_t> touched_, near_;  ///< Of the body in work.
   std::size_t leaning_on_ = 0;                 ///< Its contacts, with others' bodies too.

@@ -5,11 +5,11 @@
 
 namespace aureole {
 
-void Clusters::begin(const MigrationSituation& situation, const Outlook& outlook) {
+void Clusters::begin(const MigrationSituation& situation, Outlook& outlook) {
   situation_ = &situation;
   outlook_ = &outlook;
   const auto hosted = situation.hosted;
-  of_body_.assign(hosted.size(), none);
+  of_body_.assign(outlook.size(), none);
   clusters_.clear();
   followers_.clear();
   for (std::uint32_t i = 0; i < hosted.size(); ++i) {
@@ -19,22 +19,24 @@ void Clusters::begin(const MigrationSituation& situation, const Outlook& outlook
 }
 
 std::optional<Clusters::Number> Clusters::known(std::uint32_t body) const {
-  return of_body_[body] == none ? std::nullopt : std::optional(of_body_[body]);
+  if (body >= of_body_.size() || of_body_[body] == none) return {};
+  return of_body_[body];
 }
 
 /// Whom a body goes with whatever their auras.
 void Clusters::add_companions(std::uint32_t body, std::vector<std::uint32_t>& found) const {
   if (const auto it = followers_.find(body); it != followers_.end())
     found.insert(found.end(), it->second.begin(), it->second.end());
-  if (const BodyId leader = situation_->hosted[body].leader; leader != BodyId{})
+  if (const BodyId leader = outlook_->body(body).leader; leader != BodyId{})
     if (const auto at = index_of(situation_->hosted, leader)) found.push_back(*at);
 }
 
 Clusters::Number Clusters::of(std::uint32_t body) {
-  if (of_body_[body] != none) return of_body_[body];
+  if (const auto number = known(body)) return *number;
   const Number number = clusters_.size();
   auto& members = clusters_.emplace_back().members;
   members.push_back(body);
+  of_body_.resize(outlook_->size(), none);
   of_body_[body] = number;
   std::vector<std::uint32_t> found;
   for (std::size_t k = 0; k < members.size(); ++k) {
@@ -42,6 +44,7 @@ Clusters::Number Clusters::of(std::uint32_t body) {
     found.clear();
     outlook_->find_company(member, 0, found);
     add_companions(member, found);
+    of_body_.resize(outlook_->size(), none);
     for (std::uint32_t other : found) {
       if (of_body_[other] != none) continue;
       of_body_[other] = number;
@@ -54,7 +57,7 @@ Clusters::Number Clusters::of(std::uint32_t body) {
 bool Clusters::has_moved(Number cluster, std::int64_t ticks) const {
   const auto& members = clusters_[cluster].members;
   return std::any_of(members.begin(), members.end(), [&](std::uint32_t member) {
-    return situation_->now - situation_->hosted[member].changed_owner < ticks;
+    return situation_->now - outlook_->body(member).changed_owner < ticks;
   });
 }
 

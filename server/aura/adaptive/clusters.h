@@ -20,9 +20,9 @@ class Clusters {
   using Number = std::size_t;
 
   /// Begins a tick; both must outlive it.
-  void begin(const MigrationSituation& situation, const Outlook& outlook);
+  void begin(const MigrationSituation& situation, Outlook& outlook);
 
-  /// The cluster that a body belongs to, by the body's index in `hosted`.
+  /// The cluster that a body belongs to, by the body's number on the stage.
   Number of(std::uint32_t body);
   /// The same if it has been asked for before.
   std::optional<Number> known(std::uint32_t body) const;
@@ -47,7 +47,7 @@ class Clusters {
   void add_companions(std::uint32_t body, std::vector<std::uint32_t>& found) const;
 
   const MigrationSituation* situation_ = nullptr;
-  const Outlook* outlook_ = nullptr;
+  Outlook* outlook_ = nullptr;
   std::vector<Number> of_body_;
   std::vector<Cluster> clusters_;
   std::map<std::uint32_t, std::vector<std::uint32_t>> followers_;

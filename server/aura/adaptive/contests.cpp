@@ -37,7 +37,7 @@ std::uint16_t label_of(BodyId body) {
 
 }  // namespace
 
-void Contests::find(const MigrationSituation& s, const Outlook& outlook, Clusters& clusters) {
+void Contests::find(const MigrationSituation& s, Outlook& outlook, Clusters& clusters) {
   situation_ = &s;
   outlook_ = &outlook;
   clusters_ = &clusters;
@@ -48,8 +48,8 @@ void Contests::find(const MigrationSituation& s, const Outlook& outlook, Cluster
     settled_now_.clear();
     settled_at_ = s.now;
   }
-  contested_.assign(s.hosted.size(), false);
-  visitors_.assign(s.hosted.size(), {});
+  contested_.clear();
+  visitors_.clear();
   std::erase_if(given_, [&](const auto& given) { return s.now - given.second.at > hold_ticks_; });
   neighbourhood_.begin(s, outlook, clusters);
   std::vector<std::uint32_t> found;
@@ -57,7 +57,8 @@ void Contests::find(const MigrationSituation& s, const Outlook& outlook, Cluster
     AuraBox wide = aura.room.box();
     wide.half.array() += visitor_clearance_m + aura.speed_mps * reach_s_;
     found.clear();
-    outlook.grid().find(wide, found);
+    outlook.find(wide, found);
+    make_room();
     for (const std::uint32_t body : found) {
       visitors_[body].add(aura.host);
       if ((outlook.rests(body) && aura.resting) || !overlap(aura.room, outlook.aura(body)))
@@ -68,6 +69,7 @@ void Contests::find(const MigrationSituation& s, const Outlook& outlook, Cluster
     }
   }
   if (s.now - last_warning_ >= warning_interval_ticks) look_ahead();
+  make_room();
   auto warned = warned_.begin();
   for (std::uint32_t i = 0; i < s.hosted.size() && warned != warned_.end(); ++i) {
     while (warned != warned_.end() && warned->first < s.hosted[i].id) ++warned;
@@ -77,19 +79,42 @@ void Contests::find(const MigrationSituation& s, const Outlook& outlook, Cluster
   remember_visitors();
 }
 
+/// For whoever has come on the stage meanwhile.
+void Contests::make_room() {
+  contested_.resize(outlook_->size(), false);
+  visitors_.resize(outlook_->size());
+}
+
+/// Sleepers that nothing comes near to any more are told of until it is sure that nothing will.
+void Contests::bring_in_visited() {
+  std::vector<BodyId> absent;
+  const std::span<const std::uint32_t> present = outlook_->stage().ascending();
+  auto at = present.begin();
+  for (const Visit& visit : visits_) {
+    while (at != present.end() && outlook_->body(*at).id < visit.visited) ++at;
+    if (at != present.end() && outlook_->body(*at).id == visit.visited) continue;
+    if (situation_->now - visit.at <= hold_ticks_) absent.push_back(visit.visited);
+  }
+  for (const BodyId id : absent) outlook_->stage().number_of(id);
+  make_room();
+}
+
 /// What is handed from one server to another is heard of by a third neither from the one nor from
 /// the other for some ticks: it is still there.
 void Contests::remember_visitors() {
+  const auto is_fresh = [&](const Visit& visit) {
+    return situation_->now - visit.at <= hold_ticks_;
+  };
+  bring_in_visited();
   std::vector<Visit> visits;
   visits.reserve(visits_.size() + 16);
   auto before = visits_.begin();
-  for (std::uint32_t i = 0; i < situation_->hosted.size(); ++i) {
-    const BodyId id = situation_->hosted[i].id;
+  for (const std::uint32_t i : outlook_->stage().ascending()) {
+    const BodyId id = outlook_->body(i).id;
     while (before != visits_.end() && before->visited < id) ++before;
     if (!visitors_[i].empty()) {
       visits.push_back({id, visitors_[i], situation_->now});
-    } else if (before != visits_.end() && before->visited == id &&
-               situation_->now - before->at <= hold_ticks_) {
+    } else if (before != visits_.end() && before->visited == id && is_fresh(*before)) {
       visitors_[i] = before->visitors;
       visits.push_back(*before);
     }
@@ -109,7 +134,7 @@ void Contests::look_ahead() {
     const AuraBox way = way_of(situation_->hosted[i], clear_flight_s);
     if (!outlook_->near_others(way)) continue;
     found.clear();
-    outlook_->remote_grid().find(way, found);
+    outlook_->remote_rows().find(way, found);
     RegionSet hosts;
     for (const std::uint32_t other : found) hosts.add(situation_->remote[other].host);
     if (!hosts.empty()) warned_.emplace_back(situation_->hosted[i].id, hosts);
@@ -125,7 +150,7 @@ std::uint8_t Contests::changes_of(const HostedBody& body) const {
 std::uint8_t Contests::changes_of(Clusters::Number cluster) const {
   std::uint8_t most = 0;
   for (const std::uint32_t member : clusters_->members(cluster))
-    most = std::max(most, changes_of(situation_->hosted[member]));
+    most = std::max(most, changes_of(outlook_->body(member)));
   return most;
 }
 
@@ -139,7 +164,7 @@ const Company& Contests::company_of(std::uint32_t body) {
   if (companies_.size() <= cluster) companies_.resize(clusters_->size());
   if (companies_[cluster]) return *companies_[cluster];
   Company& company = companies_[cluster].emplace();
-  company.label = label_of(situation_->hosted[clusters_->members(cluster).front()].id);
+  company.label = label_of(outlook_->body(clusters_->members(cluster).front()).id);
   company.size_class = size_class_of(clusters_->members(cluster).size());
   company.changes = changes_of(cluster);
   company.crowded = neighbourhood_.is_crowded(cluster);
@@ -150,7 +175,7 @@ const Company& Contests::company_of(std::uint32_t body) {
 /// Since when its members count as such as must not change their owner again.
 void Contests::note_settled(Clusters::Number cluster) {
   for (const std::uint32_t member : clusters_->members(cluster)) {
-    const BodyId id = situation_->hosted[member].id;
+    const BodyId id = outlook_->body(member).id;
     const auto known = settled_.find(id);
     settled_now_.try_emplace(id, known == settled_.end() ? situation_->now : known->second);
   }
@@ -163,7 +188,7 @@ bool Contests::is_overtaken(Clusters::Number cluster, BodyId asked_for, RegionId
   }
   const auto members = clusters_->members(cluster);
   return std::any_of(members.begin(), members.end(), [&](std::uint32_t member) {
-    const HostedBody& body = situation_->hosted[member];
+    const HostedBody& body = outlook_->body(member);
     return situation_->now - body.changed_owner < round_trip_ticks_ && body.came_from == asker;
   });
 }
@@ -232,9 +257,9 @@ RegionId Contests::arbitrate(const Contest& contest, RegionId other) const {
     our_changes = std::max(our_changes, changes_of(cluster));
     our_weight += 1 << size_class_of(clusters_->members(cluster).size());
     for (const std::uint32_t member : clusters_->members(cluster)) {
-      if (!contested_[member]) continue;
-      ours += situation_->hosted[member].position.vector();
-      note_given(situation_->hosted[member].id);
+      if (!is_contested(member)) continue;
+      ours += outlook_->body(member).position.vector();
+      note_given(outlook_->body(member).id);
       ++meeting;
     }
   }
@@ -277,7 +302,7 @@ void Contests::remember(const Contest& contest, RegionId to) {
   if (to == situation_->self) return;
   for (const Clusters::Number cluster : contest.ours)
     for (const std::uint32_t member : clusters_->members(cluster))
-      given_[situation_->hosted[member].id] = given;
+      given_[outlook_->body(member).id] = given;
 }
 
 std::vector<Contests::Verdict> Contests::verdicts() {

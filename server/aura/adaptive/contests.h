@@ -34,7 +34,7 @@ class Contests {
   }
 
   /// Once a tick.
-  void find(const MigrationSituation& situation, const Outlook& outlook, Clusters& clusters);
+  void find(const MigrationSituation& situation, Outlook& outlook, Clusters& clusters);
 
   struct Verdict {
     std::vector<Clusters::Number> clusters;  ///< Ours that meet, directly or through others'.
@@ -53,8 +53,11 @@ class Contests {
   bool is_overtaken(Clusters::Number cluster, BodyId asked_for, RegionId asker);
 
   /// Whether a body must be brought together with somebody else's.
-  const std::vector<bool>& contested() const { return contested_; }
-  /// Hosts of the auras near each body's, lately: they are told of it.
+  bool is_contested(std::uint32_t body) const {
+    return body < contested_.size() && contested_[body];
+  }
+  /// Hosts of the auras near each body's, lately: they are told of it. Whoever comes on the stage
+  /// after find() has none.
   const std::vector<RegionSet>& visitors() const { return visitors_; }
   /// Of a body whose cluster is known.
   const Company& company_of(std::uint32_t body);
@@ -66,7 +69,9 @@ class Contests {
     std::vector<Clusters::Number> ours;
     Meetings meets;
   };
+  void make_room();
   void look_ahead();
+  void bring_in_visited();
   void remember_visitors();
   std::vector<Contest> joined_contests() const;
   std::uint8_t changes_of(const HostedBody& body) const;
@@ -81,7 +86,7 @@ class Contests {
   std::int64_t round_trip_ticks_ = 0;  ///< Until a server hears what is made of its word.
   std::int64_t hold_ticks_ = 0;        ///< How long a verdict is kept.
   const MigrationSituation* situation_ = nullptr;
-  const Outlook* outlook_ = nullptr;
+  Outlook* outlook_ = nullptr;
   Clusters* clusters_ = nullptr;
   Neighbourhood neighbourhood_;
   std::map<Clusters::Number, Meetings> meetings_;

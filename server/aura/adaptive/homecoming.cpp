@@ -5,6 +5,7 @@
 #include <map>
 
 #include "server/aura/adaptive/aura_size.h"
+#include "server/aura/adaptive/contests.h"
 
 namespace aureole {
 namespace {
@@ -22,31 +23,42 @@ constexpr std::int64_t quiet_ticks = 32;
 
 }  // namespace
 
-void Homecoming::note_unrest(const MigrationSituation& s, const Outlook& outlook) {
+void Homecoming::note_unrest(const MigrationSituation& s, Outlook& outlook) {
   // Both ascend: one walk finds when each last stirred.
   before_.swap(unrest_);
   unrest_.clear();
   auto known = before_.begin();
-  stirs_.assign(s.hosted.size(), false);
-  for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
-    const BodyId id = s.hosted[i].id;
-    while (known != before_.end() && known->first < id) ++known;
-    Tick stirred = s.now;
-    if (outlook.rests(i)) {
-      if (known == before_.end() || known->first != id) continue;
-      stirred = known->second;
-      if (s.now - stirred > quiet_ticks) continue;
-    }
-    stirs_[i] = true;
-    unrest_.emplace_back(id, stirred);
+  // Who sleeps where nothing comes near to it is not on the stage.
+  const auto keep = [&](const std::pair<BodyId, Tick>& entry) {
+    if (s.now - entry.second <= quiet_ticks && s.sleepers != nullptr &&
+        s.sleepers->place_of(entry.first))
+      unrest_.push_back(entry);
+  };
+  for (const std::uint32_t i : outlook.stage().ascending()) {
+    const BodyId id = outlook.body(i).id;
+    while (known != before_.end() && known->first < id) keep(*known++);
+    const bool is_known = known != before_.end() && known->first == id;
+    if (!outlook.rests(i))
+      unrest_.emplace_back(id, s.now);
+    else if (is_known && s.now - known->second <= quiet_ticks)
+      unrest_.push_back(*known);
+    if (is_known) ++known;
   }
+  while (known != before_.end()) keep(*known++);
   nothing_moves_ =
       unrest_.empty() && std::all_of(s.remote.begin(), s.remote.end(),
                                      [](const RemoteAura& aura) { return aura.resting; });
 }
 
+/// Whether a body has moved or expected a blow lately.
+bool Homecoming::stirs(BodyId id) const {
+  const auto at = std::lower_bound(unrest_.begin(), unrest_.end(), id,
+                                   [](const auto& entry, BodyId key) { return entry.first < key; });
+  return at != unrest_.end() && at->first == id;
+}
+
 bool Homecoming::is_away(std::uint32_t body) const {
-  const WorldPosition& at = situation_->hosted[body].position;
+  const WorldPosition& at = outlook_->body(body).position;
   return situation_->map.area(situation_->self).distance(at.x, at.z) >
          (outlook_->rests(body) ? resting_hysteresis_m : home_hysteresis_m);
 }
@@ -55,10 +67,10 @@ bool Homecoming::is_away(std::uint32_t body) const {
 void Homecoming::find_threats() {
   threats_.clear();
   threat_bodies_.clear();
-  for (std::uint32_t i = 0; i < situation_->hosted.size(); ++i) {
+  for (std::uint32_t i = 0; i < outlook_->size(); ++i) {
     if (outlook_->rests(i)) continue;
     threats_.push_back(outlook_->box(i));
-    if (outlook_->moves(i)) threats_.push_back(way_of(situation_->hosted[i], clear_flight_s));
+    if (outlook_->moves(i)) threats_.push_back(way_of(outlook_->body(i), clear_flight_s));
     threat_bodies_.resize(threats_.size(), i);
   }
   for (const RemoteAura& aura : situation_->remote) {
@@ -67,8 +79,8 @@ void Homecoming::find_threats() {
     threats_.back().half.array() += aura.speed_mps * clear_flight_s;
   }
   threat_bodies_.resize(threats_.size(), others_body);
-  threat_grid_.build(threats_);
-  calm_.assign(situation_->hosted.size(), Calm::unknown);
+  threat_rows_.build(threats_);
+  calm_.clear();
   threats_known_ = true;
 }
 
@@ -77,6 +89,7 @@ void Homecoming::find_threats() {
 /// fall.
 bool Homecoming::is_calm(std::uint32_t body) {
   if (!threats_known_) find_threats();
+  calm_.resize(outlook_->size(), Calm::unknown);
   if (calm_[body] != Calm::unknown) return calm_[body] == Calm::calm;
   Calm found_out = Calm::calm;
   std::vector<std::uint32_t> heap{body}, found;
@@ -84,7 +97,8 @@ bool Homecoming::is_calm(std::uint32_t body) {
   for (std::size_t k = 0; k < heap.size() && found_out == Calm::calm; ++k) {
     AuraBox box = outlook_->box(heap[k]);
     found.clear();
-    outlook_->grid().find(box, found);
+    outlook_->find(box, found);
+    calm_.resize(outlook_->size(), Calm::unknown);
     for (std::uint32_t other : found) {
       if (!outlook_->rests(other)) continue;
       if (calm_[other] == Calm::threatened) found_out = Calm::threatened;
@@ -94,7 +108,7 @@ bool Homecoming::is_calm(std::uint32_t body) {
     }
     box.half.array() += calm_clearance_m;
     found.clear();
-    threat_grid_.find(box, found);
+    threat_rows_.find(box, found);
     if (!found.empty()) found_out = Calm::threatened;
   }
   for (std::uint32_t member : heap) calm_[member] = found_out;
@@ -103,11 +117,11 @@ bool Homecoming::is_calm(std::uint32_t body) {
 
 /// Whether the body alone would let its island leave.
 bool Homecoming::may_leave(std::uint32_t i, bool contested) {
-  const HostedBody& body = situation_->hosted[i];
+  const HostedBody& body = outlook_->body(i);
   // Who goes home may be met there at once, and fetched back.
   const std::int64_t stay = nothing_moves_ ? calm_stay_ticks : long_stay_ticks;
   return is_away(i) && !contested && situation_->now - body.changed_owner >= stay &&
-         (!outlook_->rests(i) || (!stirs_[i] && is_calm(i)));
+         (!outlook_->rests(i) || (!stirs(body.id) && is_calm(i)));
 }
 
 /// The clusters around a body that are not clear of each other. Auras travel rounded outwards: what
@@ -143,19 +157,19 @@ bool Homecoming::flies_clear(const std::set<Clusters::Number>& island, RegionId 
   for (const Clusters::Number number : island)
     for (std::uint32_t member : clusters_->members(number)) {
       if (outlook_->rests(member)) continue;
-      const AuraBox way = way_of(situation_->hosted[member], clear_flight_s);
+      const AuraBox way = way_of(outlook_->body(member), clear_flight_s);
       found.clear();
-      outlook_->grid().find(way, found);
+      outlook_->find(way, found);
       for (std::uint32_t other : found)
         if (stays_here(other)) return false;
       found.clear();
-      threat_grid_.find(way, found);
+      threat_rows_.find(way, found);
       for (std::uint32_t threat : found) {
         const std::uint32_t other = threat_bodies_[threat];
         if (other == others_body || stays_here(other)) return false;
       }
       found.clear();
-      outlook_->remote_grid().find(way, found);
+      outlook_->remote_rows().find(way, found);
       for (std::uint32_t other : found) {
         const RemoteAura& aura = situation_->remote[other];
         if (aura.host != home || !aura.resting) return false;
@@ -164,16 +178,17 @@ bool Homecoming::flies_clear(const std::set<Clusters::Number>& island, RegionId 
   return true;
 }
 
-std::vector<Homecoming::Island> Homecoming::islands(const MigrationSituation& s,
-                                                    const Outlook& outlook, Clusters& clusters,
-                                                    const std::vector<bool>& contested) {
+std::vector<Homecoming::Island> Homecoming::islands(const MigrationSituation& s, Outlook& outlook,
+                                                    Clusters& clusters, const Contests& contests) {
   situation_ = &s;
   outlook_ = &outlook;
   clusters_ = &clusters;
   threats_known_ = false;
   std::vector<Island> leaving;
   std::vector<bool> judged;
-  for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
+  // Sleepers that come on the stage now lie inside of the region.
+  const std::uint32_t shown = outlook.size();
+  for (std::uint32_t i = 0; i < shown; ++i) {
     if (!is_away(i)) continue;
     const Clusters::Number own = clusters.of(i);
     judged.resize(clusters.size(), false);
@@ -186,8 +201,8 @@ std::vector<Homecoming::Island> Homecoming::islands(const MigrationSituation& s,
       judged[number] = true;
       leaves = leaves && !clusters.sent(number);
       for (std::uint32_t member : clusters.members(number)) {
-        const WorldPosition& at = s.hosted[member].position;
-        leaves = leaves && may_leave(member, contested[member]);
+        const WorldPosition& at = outlook.body(member).position;
+        leaves = leaves && may_leave(member, contests.is_contested(member));
         ++holds[s.map.region_at(at.x, at.z)];
       }
     }

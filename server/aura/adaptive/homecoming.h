@@ -16,6 +16,8 @@ namespace aureole {
 /// would be fetched back at once, and perhaps on from there.
 inline constexpr double clear_flight_s = 1.0;
 
+class Contests;
+
 /// A cluster of which no member reaches into the host's region, and which no projected aura
 /// touches, is an island: it goes to the region that holds most of it (section 3.5 of the paper).
 /// What rests goes home body by body, but only where nothing will soon pass: it would be fetched
@@ -28,13 +30,13 @@ class Homecoming {
   };
 
   /// Once a tick, before islands(): remembers who stirs.
-  void note_unrest(const MigrationSituation& situation, const Outlook& outlook);
-  /// Disjoint islands that may go home now. `contested`: whether a hosted body's aura overlaps one
-  /// of another server's that it must be brought together with.
-  std::vector<Island> islands(const MigrationSituation& situation, const Outlook& outlook,
-                              Clusters& clusters, const std::vector<bool>& contested);
+  void note_unrest(const MigrationSituation& situation, Outlook& outlook);
+  /// Disjoint islands that may go home now.
+  std::vector<Island> islands(const MigrationSituation& situation, Outlook& outlook,
+                              Clusters& clusters, const Contests& contests);
 
  private:
+  bool stirs(BodyId id) const;
   bool is_away(std::uint32_t body) const;
   bool is_calm(std::uint32_t body);
   void find_threats();
@@ -43,13 +45,12 @@ class Homecoming {
   bool flies_clear(const std::set<Clusters::Number>& island, RegionId home);
 
   const MigrationSituation* situation_ = nullptr;  ///< Within islands().
-  const Outlook* outlook_ = nullptr;
+  Outlook* outlook_ = nullptr;
   Clusters* clusters_ = nullptr;
   bool nothing_moves_ = false;  ///< Here for quiet_ticks, nor what others project.
   /// When each body last moved or expected a blow, if lately; ascending. And as of the last tick.
   std::vector<std::pair<BodyId, Tick>> unrest_, before_;
-  std::vector<bool> stirs_;  ///< Whether each body is in `unrest_`.
-  OverlapGrid threat_grid_;  ///< Built when asked for.
+  BoxRows threat_rows_;  ///< Built when asked for.
   std::vector<AuraBox> threats_;
   std::vector<std::uint32_t> threat_bodies_;  ///< Whose threat it is; others_body: a remote one's.
   static constexpr std::uint32_t others_body = static_cast<std::uint32_t>(-1);

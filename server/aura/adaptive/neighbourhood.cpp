@@ -26,8 +26,7 @@ void Neighbourhood::add_around(const AuraBox& box, const Horizon& look, RegionSe
   const double low_x = wide.centre.x() - wide.half.x(), high_x = wide.centre.x() + wide.half.x();
   const double low_z = wide.centre.z() - wide.half.z(), high_z = wide.centre.z() + wide.half.z();
   const Rectangle& home = situation_->map.area(situation_->self);
-  const bool inside =
-      low_x >= home.min_x && high_x < home.max_x && low_z >= home.min_z && high_z < home.max_z;
+  const bool inside = home.holds(low_x, low_z, high_x, high_z);
   if (!inside)
     for (std::uint16_t k = 0; k < situation_->map.size(); ++k)
       if ((look.away_too || situation_->linked[k]) &&
@@ -35,7 +34,7 @@ void Neighbourhood::add_around(const AuraBox& box, const Horizon& look, RegionSe
         around.add(RegionId{k});
   if (outlook_->near_others(wide)) {
     std::vector<std::uint32_t> found;
-    outlook_->remote_grid().find(wide, found);
+    outlook_->remote_rows().find(wide, found);
     for (const std::uint32_t other : found) {
       const RegionId host = situation_->remote[other].host;
       if (look.away_too || situation_->linked[host.value]) around.add(host);
@@ -47,7 +46,7 @@ void Neighbourhood::add_around(const AuraBox& box, const Horizon& look, RegionSe
 /// Its aura, and its way if it moves.
 AuraBox Neighbourhood::room_of(std::uint32_t body, const Horizon& look) const {
   if (outlook_->rests(body)) return outlook_->box(body);
-  return joined(outlook_->box(body), way_of(situation_->hosted[body], look.onward_s));
+  return joined(outlook_->box(body), way_of(outlook_->body(body), look.onward_s));
 }
 
 void Neighbourhood::add_around(Clusters::Number cluster, const Horizon& look,
@@ -68,6 +67,7 @@ const RegionSet& Neighbourhood::of(Clusters::Number cluster) {
 }
 
 bool Neighbourhood::is_crowded(Clusters::Number cluster) {
+  if (situation_->map.size() < 3) return false;
   // Where at most one other is near the room that holds them all, none needs to be looked for.
   const Horizon& look = horizon_of(cluster);
   std::optional<AuraBox> room;

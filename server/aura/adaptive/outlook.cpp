@@ -26,46 +26,46 @@ AuraCapsule Outlook::own_aura(const HostedBody& body) const {
 }
 
 void Outlook::look(const MigrationSituation& s) {
-  auras_.clear();
-  boxes_.clear();
+  stage_.begin(s);
   moving_mps_.clear();
   for (const HostedBody& body : s.hosted) {
     // What has just stopped may start again: it counts as moving, if only a little.
     moving_mps_.push_back(lies_still(body) ? -1.0
                                            : std::max(body.motion_speed_mps, still_speed_mps));
-    auras_.push_back(own_aura(body));
+    AuraCapsule aura = own_aura(body);
     // A deed starts at once, and in any direction; so does what geometry turns.
     if (const double sudden = sudden_mps(body); sudden > 0)
-      auras_.back() = struck_aura(auras_.back(), sudden * reach_s_, reach_s_);
-    boxes_.push_back(auras_.back().box());
+      aura = struck_aura(aura, sudden * reach_s_, reach_s_);
+    stage_.add(body, aura);
   }
-  grid_.build(boxes_);
-  blows_.compute(s, {moving_mps_, auras_, boxes_, grid_}, forecast_);
+  stage_.sort_boxes();
+  stage_.add_sleepers_beyond();
+  blows_.compute(s, stage_, moving_mps_, forecast_);
   bool grown = false;
-  for (std::uint32_t i = 0; i < s.hosted.size(); ++i) {
-    if (forecast_.way_m[i] <= sudden_mps(s.hosted[i]) * reach_s_) continue;
-    auras_[i] = struck_aura(own_aura(s.hosted[i]), forecast_.way_m[i], reach_s_);
-    boxes_[i] = auras_[i].box();
+  for (std::uint32_t i = 0; i < forecast_.size(); ++i) {
+    const HostedBody& body = stage_.body(i);
+    if (forecast_.way(i) <= sudden_mps(body) * reach_s_) continue;
+    stage_.set_aura(i, struck_aura(own_aura(body), forecast_.way(i), reach_s_));
     grown = true;
   }
-  if (grown) grid_.build(boxes_);
+  if (grown) stage_.sort_boxes();
   remote_boxes_.clear();
   for (const RemoteAura& aura : s.remote) {
     remote_boxes_.push_back(aura.room.box());
     const AuraBox& box = remote_boxes_.back();
     around_others_ = remote_boxes_.size() == 1 ? box : joined(around_others_, box);
   }
-  remote_grid_.build(remote_boxes_);
+  remote_rows_.build(remote_boxes_);
 }
 
-void Outlook::find_company(std::uint32_t body, double clearance_m,
-                           std::vector<std::uint32_t>& found) const {
+void Outlook::find_company(std::uint32_t number, double clearance_m,
+                           std::vector<std::uint32_t>& found) {
   const auto before = static_cast<std::ptrdiff_t>(found.size());
-  AuraBox box = boxes_[body];
+  AuraBox box = stage_.box(number);
   box.half.array() += clearance_m;
-  grid_.find(box, found);
+  stage_.find(box, found);
   const auto needs_no_company = [&](std::uint32_t other) {
-    return (rests(body) && rests(other)) || gap_m(auras_[body], auras_[other]) > clearance_m;
+    return (rests(number) && rests(other)) || gap_m(aura(number), aura(other)) > clearance_m;
   };
   found.erase(std::remove_if(found.begin() + before, found.end(), needs_no_company), found.end());
 }

@@ -6,14 +6,15 @@
 #include <vector>
 
 #include "server/aura/adaptive/blow_forecast.h"
+#include "server/aura/adaptive/stage.h"
+#include "server/aura/box_rows.h"
 #include "server/aura/migration_policy.h"
-#include "server/aura/overlap_grid.h"
 
 namespace aureole {
 
 /// The auras of one tick: of the bodies hosted here, sized by what each can do and by the blows
-/// that it may take, and of those that others project. Bodies are named by their index in
-/// `MigrationSituation::hosted`, remote ones by theirs in `remote`.
+/// that it may take, and of those that others project. Bodies are named by their numbers on the
+/// stage, remote ones by their index in `MigrationSituation::remote`.
 class Outlook {
  public:
   /// \param reach_s  reach_time_s() of the world's tolerances
@@ -26,25 +27,31 @@ class Outlook {
   }
   void look(const MigrationSituation& situation);
 
-  /// Whether the body lies still and expects no blow.
-  bool rests(std::uint32_t body) const { return forecast_.expected_mps[body] <= 0; }
-  /// Whether it moves by itself, blows apart.
-  bool moves(std::uint32_t body) const { return moving_mps_[body] > 0; }
-  /// The fastest that it may soon move (m/s).
-  double expected_mps(std::uint32_t body) const { return forecast_.expected_mps[body]; }
-  const AuraCapsule& aura(std::uint32_t body) const { return auras_[body]; }
+  /// Who is on the stage.
+  Stage& stage() { return stage_; }
+  std::uint32_t size() const { return stage_.size(); }
+  const HostedBody& body(std::uint32_t number) const { return stage_.body(number); }
+  const AuraCapsule& aura(std::uint32_t number) const { return stage_.aura(number); }
   /// The box around it.
-  const AuraBox& box(std::uint32_t body) const { return boxes_[body]; }
+  const AuraBox& box(std::uint32_t number) const { return stage_.box(number); }
+  /// See Stage::find().
+  void find(const AuraBox& box, std::vector<std::uint32_t>& found) { stage_.find(box, found); }
+
+  /// Whether the body lies still and expects no blow.
+  bool rests(std::uint32_t number) const { return expected_mps(number) <= 0; }
+  /// Whether it moves by itself, blows apart.
+  bool moves(std::uint32_t number) const {
+    return number < moving_mps_.size() && moving_mps_[number] > 0;
+  }
+  /// The fastest that it may soon move (m/s).
+  double expected_mps(std::uint32_t number) const { return forecast_.expected(number); }
 
   /// Appends whose auras come within `clearance_m` of the body's, except where both rest: who must
   /// be hosted with it. The body itself may be among them.
-  void find_company(std::uint32_t body, double clearance_m,
-                    std::vector<std::uint32_t>& found) const;
+  void find_company(std::uint32_t number, double clearance_m, std::vector<std::uint32_t>& found);
 
-  /// Boxes around all auras of hosted bodies.
-  const OverlapGrid& grid() const { return grid_; }
   /// Boxes around all auras of others.
-  const OverlapGrid& remote_grid() const { return remote_grid_; }
+  const BoxRows& remote_rows() const { return remote_rows_; }
   /// Whether a box is anywhere near an aura of others.
   bool near_others(const AuraBox& box) const {
     return !remote_boxes_.empty() && around_others_.overlaps(box);
@@ -54,10 +61,10 @@ class Outlook {
   AuraCapsule own_aura(const HostedBody& body) const;
 
   double reach_s_;
-  std::vector<AuraCapsule> auras_;
-  std::vector<AuraBox> boxes_, remote_boxes_;
-  std::vector<double> moving_mps_;  ///< Of each body by itself; negative: it lies still.
-  OverlapGrid grid_, remote_grid_;
+  Stage stage_;
+  std::vector<AuraBox> remote_boxes_;
+  std::vector<double> moving_mps_;  ///< Of each of `hosted` by itself; negative: it lies still.
+  BoxRows remote_rows_;
   AuraBox around_others_;
   BlowForecast blows_;
   Forecast forecast_;

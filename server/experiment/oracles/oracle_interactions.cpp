@@ -1,4 +1,4 @@
-// Broad phase on an own grid, then real shapes, then the question of what excuses a pair.
+// Broad phase by rows of boxes, then real shapes, then the question of what excuses a pair.
 #include "server/experiment/oracles/oracle_interactions.h"
 
 #include <fmt/format.h>
@@ -41,11 +41,11 @@ void InteractionOracle::look(Tick tick, const std::vector<SeenBody>& bodies) {
           shapes_.bounding_radius(b.prototype) + b.state.linear_velocity.norm() * tick_s;
       box.half.setConstant(reach);
     }
-    grid_.build(boxes_);
+    rows_.build(boxes_);
     std::vector<std::uint32_t> found;
     for (std::uint32_t i = 0; i < bodies.size(); ++i) {
       found.clear();
-      grid_.find(boxes_[i], found);
+      rows_.find(boxes_[i], found);
       for (std::uint32_t j : found)
         if (j > i && bodies[j].owner != bodies[i].owner) look_at_pair(tick, bodies[i], bodies[j]);
     }

@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "server/aura/overlap_grid.h"
+#include "server/aura/box_rows.h"
 #include "server/experiment/oracles/body_shapes.h"
 #include "server/experiment/oracles/oracle_ownership.h"
 #include "server/experiment/oracles/tolerance_record.h"
@@ -71,7 +71,7 @@ class InteractionOracle {
   const ToleranceRecord& tolerances_;
   const OwnershipOracle& ownership_;
   BodyShapes shapes_;
-  OverlapGrid grid_;
+  BoxRows rows_;
   std::vector<AuraBox> boxes_;
   std::unordered_map<BodyId, Track> tracks_;  ///< As of the tick before.
   std::map<Pair, Overlap> overlaps_;

@@ -86,17 +86,17 @@ std::vector<BodyId> bodies_touching(BulletWorld& world, const BulletBody& body) 
   return out;
 }
 
-void find_touching(BulletWorld& world, std::vector<ContactGraph::Edge>& edges) {
-  edges.clear();
-  for_each_touching(world, [&](const BulletBody& a, const BulletBody& b, const auto&) {
-    if ((a.graph_index & b.graph_index) != ContactGraph::outside)
-      edges.emplace_back(a.graph_index, b.graph_index);
-  });
-}
-
-void append_stand_in_loads(BulletWorld& world, std::vector<StandInLoad>& out) {
-  const auto begin = static_cast<std::ptrdiff_t>(out.size());
+void survey_contacts(BulletWorld& world, ContactSurvey& survey) {
+  survey.edges.clear();
+  std::vector<StandInLoad>& out = survey.loads;
+  out.clear();
+  const auto slot = [](const BulletBody& body) {
+    return body.role == Role::stand_in ? ContactGraph::outside : body.slot;
+  };
   for_each_touching(world, [&](const BulletBody& a, const BulletBody& b, const auto& manifold) {
+    const ContactGraph::Edge edge(slot(a), slot(b));
+    if ((edge.first & edge.second) == ContactGraph::outside) return;
+    survey.edges.push_back(edge);
     const BulletBody& stand_in = a.role == Role::stand_in ? a : b;
     const BulletBody& body = a.role == Role::stand_in ? b : a;
     if (stand_in.role != Role::stand_in || !body.rigid.isActive()) return;
@@ -107,15 +107,15 @@ void append_stand_in_loads(BulletWorld& world, std::vector<StandInLoad>& out) {
   });
   // A compound pair has several manifolds. Sums of floats depend on their order: that of the sums
   // themselves is the same however the manifolds stand.
-  std::sort(out.begin() + begin, out.end(), [](const StandInLoad& x, const StandInLoad& y) {
+  std::sort(out.begin(), out.end(), [](const StandInLoad& x, const StandInLoad& y) {
     return std::tie(x.stand_in, x.body, x.impulse_ns) < std::tie(y.stand_in, y.body, y.impulse_ns);
   });
-  auto last = out.begin() + begin;
+  auto last = out.begin();
   for (auto next = last; next != out.end(); ++next) {
     if (last != next && last->stand_in == next->stand_in && last->body == next->body) {
       last->impulse_ns += next->impulse_ns;
     } else {
-      if (next != out.begin() + begin) ++last;
+      if (next != out.begin()) ++last;
       *last = *next;
     }
   }

@@ -15,11 +15,15 @@ void for_each_pair(BulletWorld& world, const BulletBody& body,
                    const std::function<void(btCollisionObject&, const btBroadphasePair&)>& visit);
 
 std::vector<BodyId> bodies_touching(BulletWorld& world, const BulletBody& body);
-/// Who touches whom, by BulletBody::graph_index, pairs without a member of the graph left out; a
-/// compound pair may be named more than once.
-void find_touching(BulletWorld& world, std::vector<ContactGraph::Edge>& edges);
-/// See PhysicsWorld::stand_in_loads.
-void append_stand_in_loads(BulletWorld& world, std::vector<StandInLoad>& out);
+/// What one pass over all contacts finds.
+struct ContactSurvey {
+  /// Who touches whom, bodies by their slots and stand-ins as outsiders; a compound pair may be
+  /// named more than once.
+  std::vector<ContactGraph::Edge> edges;
+  std::vector<StandInLoad> loads;  ///< See PhysicsWorld::stand_in_loads.
+};
+/// Replaces what is in `survey`.
+void survey_contacts(BulletWorld& world, ContactSurvey& survey);
 bool has_support(BulletWorld& world, const BulletBody& body, float min_up);
 std::vector<BodyId> bodies_in_sphere(BulletWorld& world, const WorldPosition& centre, float radius);
 std::optional<RayHit> nearest_hit(BulletWorld& world, const WorldPosition& from,

@@ -199,7 +199,12 @@ void BulletWorld::drive_obstacles(float dt_s) {
   }
 }
 
-void BulletWorld::step(float dt_s, std::span<BulletBody* const> all, std::vector<NewBody>& awake) {
+void AwakeBodies::note(const BulletWorld& world, const BulletBody& body) {
+  bodies.push_back({body.id, body.prototype, world.state_of(body)});
+  objects.push_back(&body);
+}
+
+void BulletWorld::step(float dt_s, std::span<BulletBody* const> all, AwakeBodies& awake) {
   gDeactivationTime = settings_.sleep_after_s;  // shared by all worlds of the process
   // No sub-steps and no motion states: the pose after the call is the pose of this step exactly.
   world_.stepSimulation(dt_s, 0);
@@ -210,14 +215,14 @@ void BulletWorld::step(float dt_s, std::span<BulletBody* const> all, std::vector
   for (BulletBody* body : all) {
     if (!body->rigid.isActive()) continue;
     if (body->immovable()) {
-      awake.push_back({body->id, body->prototype, state_of(*body)});
+      awake.note(*this, *body);
       continue;
     }
     const btTransform& pose = body->rigid.getWorldTransform();
     const btQuaternion rotation = pose.getRotation();
     body->orientation = aureole::from_bullet(rotation);
     body->rigid.setCenterOfMassTransform(btTransform(rotation, pose.getOrigin()));
-    awake.push_back({body->id, body->prototype, state_of(*body)});
+    awake.note(*this, *body);
   }
 }
 

@@ -32,7 +32,7 @@ struct BulletBody {
   bool upright = false;
   bool marked = false;        ///< Member of the group that a call is about; false between calls.
   int non_static_index = -1;  ///< Place in Bullet's list of moving bodies; -1 if immovable.
-  mutable std::uint32_t graph_index = 0;  ///< Place in the contact graph while one is built.
+  std::uint32_t slot = 0;     ///< See BodyGlance::slot(); stand-ins have one too.
   Eigen::Quaternionf orientation{Eigen::Quaternionf::Identity()};  ///< What the basis was made of.
   Eigen::Vector3f obstacle_linear{0, 0, 0};                        ///< m/s
   Eigen::Vector3f obstacle_angular{0, 0, 0};                       ///< rad/s
@@ -53,6 +53,19 @@ inline StaticId static_of(const btCollisionObject* object) {
 inline btCollisionObject* object_of(const btBroadphaseProxy* proxy) {
   return static_cast<btCollisionObject*>(proxy->m_clientObject);
 }
+
+class BulletWorld;
+
+/// Bodies that are awake, as they are, and where they are.
+struct AwakeBodies {
+  std::vector<NewBody> bodies;
+  std::vector<const BulletBody*> objects;
+  void clear() {
+    bodies.clear();
+    objects.clear();
+  }
+  void note(const BulletWorld& world, const BulletBody& body);
+};
 
 /// Bullet refuses pairs of sleeping bodies, and their algorithms then never get a manifold. While
 /// carried contacts are installed, every pair counts.
@@ -111,7 +124,7 @@ class BulletWorld {
 
   /// `all` are the world's bodies, in any order that is the same each time. Replaces `awake` by
   /// those that are awake after the step, in that order: here their memory is at hand anyway.
-  void step(float dt_s, std::span<BulletBody* const> all, std::vector<NewBody>& awake);
+  void step(float dt_s, std::span<BulletBody* const> all, AwakeBodies& awake);
 
   btVector3 local(const WorldPosition& p) const;
   WorldPosition global(const btVector3& p) const;

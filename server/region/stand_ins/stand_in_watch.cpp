@@ -43,4 +43,9 @@ bool StandInWatch::is_pressed(BodyId body, Tick now) const {
   return at != pressed_.end() && at->second >= now;
 }
 
+void StandInWatch::append_pressed(Tick now, std::vector<BodyId>& bodies) const {
+  for (const auto& [body, until] : pressed_)
+    if (until >= now) bodies.push_back(body);
+}
+
 }  // namespace aureole

@@ -43,6 +43,8 @@ class StandInWatch {
 
   /// Whether the body has lately leant harder on a stand-in than when they were cut.
   bool is_pressed(BodyId body, Tick now) const;
+  /// Appends all of whom that is true, ascending.
+  void append_pressed(Tick now, std::vector<BodyId>& bodies) const;
   /// Pairs that rose above the limit so far.
   std::uint64_t struck() const { return struck_; }
   /// Those of the last look.

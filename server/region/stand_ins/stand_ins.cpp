@@ -50,6 +50,8 @@ void StandIns::arrived(std::span<const BodyId> ids) {
 }
 
 void StandIns::forget_bodies() {
+  // Each stand-in has an entry: as long as there are as many, nobody has become a body.
+  if (entries_.size() == physics_.stand_in_ids().size()) return;
   std::erase_if(entries_, [&](const auto& entry) { return !physics_.is_stand_in(entry.first); });
 }
 

@@ -1,11 +1,14 @@
 // What a server of the adaptive mode is shown, put together by hand.
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <memory>
 #include <vector>
 
 #include "server/aura/migration_policy.h"
+#include "server/aura/sleepers.h"
+#include "tests/support/catch.h"
 
 namespace aureole::adaptive_scene {
 
@@ -28,6 +31,7 @@ constexpr BodyId name(int n) {
 inline HostedBody asleep_at(int n, double x, double z = 0) {
   HostedBody body;
   body.id = name(n);
+  body.slot = static_cast<std::uint32_t>(n);
   body.position = {x, 1, z};
   body.half_extents = {0.3, 0.3, 0.3};
   body.bounding_radius_m = body.girth_m = 0.3;
@@ -54,24 +58,21 @@ inline RemoteAura aura(int n, std::uint16_t host, bool asleep, double x, double 
   return remote;
 }
 
-/// Bodies in a row of contacts, by their places among those hosted.
+/// Bodies in a row of contacts, by their names.
 class Row final : public ContactSource {
  public:
-  Row(std::uint32_t first, std::uint32_t last) {
-    for (std::uint32_t n = first; n <= last; ++n) {
-      partners_.resize(n + 1);
-      if (n == first) continue;
-      partners_[n].push_back(n - 1);
-      partners_[n - 1].push_back(n);
-    }
+  Row(std::uint32_t first, std::uint32_t last) : first_(first), last_(last) {}
+  std::size_t find_touching(std::uint32_t slot, std::vector<std::uint32_t>& found) const override {
+    found.clear();
+    if (slot > first_ && slot <= last_) found.push_back(slot - 1);
+    if (slot >= first_ && slot < last_) found.push_back(slot + 1);
+    return found.size();
   }
-  std::span<const std::uint32_t> touching(std::uint32_t body) const override {
-    return body < partners_.size() ? std::span(partners_[body]) : std::span<const std::uint32_t>{};
-  }
-  std::size_t leaning_on(std::uint32_t body) const override { return touching(body).size(); }
+  std::size_t slots() const override { return 1000; }
+  BodyId body_in(std::uint32_t slot) const override { return name(static_cast<int>(slot)); }
 
  private:
-  std::vector<std::vector<std::uint32_t>> partners_;
+  std::uint32_t first_, last_;
 };
 
 /// Everything to the right of `from_x` is shown.
@@ -81,10 +82,32 @@ class RightPart final : public View {
   bool shows(const AuraBox& room) const override {
     return room.centre.x() - room.half.x() >= from_x_;
   }
+  bool holds(double x, double) const override { return x >= from_x_; }
 
  private:
   double from_x_;
 };
+
+inline bool is_same(const MigrationDecision& a, const MigrationDecision& b) {
+  const auto same = [](const auto& x, const auto& y, auto&& equal) {
+    return std::equal(x.begin(), x.end(), y.begin(), y.end(), equal);
+  };
+  return a.sees_too_little == b.sees_too_little &&
+         same(a.leaving, b.leaving,
+              [](const Migration& x, const Migration& y) {
+                return x.to == y.to && x.bodies == y.bodies;
+              }) &&
+         same(a.pulls, b.pulls,
+              [](const Pull& x, const Pull& y) {
+                return x.from == y.from && x.to == y.to && x.bodies == y.bodies;
+              }) &&
+         same(a.projected, b.projected, [](const ProjectedAura& x, const ProjectedAura& y) {
+           return x.id == y.id && x.resting == y.resting && x.asleep == y.asleep && x.to == y.to &&
+                  x.speed_mps == y.speed_mps && x.room.girth_m == y.room.girth_m &&
+                  x.company.size_class == y.company.size_class &&
+                  x.company.changes == y.company.changes && x.company.crowded == y.company.crowded;
+         });
+}
 
 struct Scene {
   PartitionMap map = columns(2);
@@ -96,18 +119,36 @@ struct Scene {
   const ContactSource* contacts = nullptr;
   const View* view = nullptr;
 
-  MigrationDecision decide(MigrationPolicy& policy, Tick now) const {
+  /// The same with those who sleep, and with whom nothing is to happen, among the hosted bodies or
+  /// apart: what comes of it must not depend on it.
+  enum class Asleep { among_hosted, apart };
+  MigrationDecision decide(MigrationPolicy& policy, Tick now,
+                           Asleep asleep = Asleep::among_hosted) const {
+    if (asleep == Asleep::among_hosted)
+      return policy.decide(
+          {now, RegionId{self}, map, hosted, remote, requested, linked, contacts, view});
+    Sleepers sleepers(map.area(RegionId{self}));
+    std::vector<HostedBody> shown;
+    for (const HostedBody& body : hosted) {
+      if (body.asleep) sleepers.put(body);
+      if (!body.asleep || body.pressed || body.deed_speed_mps > 0 || body.leader != BodyId{})
+        shown.push_back(body);
+    }
+    sleepers.settle();
     return policy.decide(
-        {now, RegionId{self}, map, hosted, remote, requested, linked, contacts, view});
+        {now, RegionId{self}, map, shown, remote, requested, linked, contacts, view, &sleepers});
   }
   MigrationDecision decide() const {
-    return decide(*make_adaptive_policy(AuraTolerances{}), Tick{0});
+    const auto apart = decide(*make_adaptive_policy(AuraTolerances{}), Tick{0}, Asleep::apart);
+    const auto decision = decide(*make_adaptive_policy(AuraTolerances{}), Tick{0});
+    REQUIRE(is_same(decision, apart));
+    return decision;
   }
 };
 
 inline std::vector<RegionId> told_of(const MigrationDecision& decision, BodyId id) {
   for (const auto& projected : decision.projected)
-    if (projected.id == id) return projected.to;
+    if (projected.id == id) return projected.to.regions();
   return {};
 }
 

@@ -84,7 +84,7 @@ struct Servers {
     std::vector<int> to;
     for (const ProjectedAura& aura : decisions[static_cast<std::size_t>(server)].projected)
       if (aura.id == name(letter))
-        for (RegionId region : aura.to) to.push_back(region.value);
+        aura.to.for_each([&](RegionId region) { to.push_back(region.value); });
     return to;
   }
   bool anything_moves() const {
@@ -96,8 +96,9 @@ struct Servers {
   void tell(std::size_t from) {
     const RegionId self{static_cast<std::uint16_t>(from)};
     for (const ProjectedAura& aura : decisions[from].projected)
-      for (RegionId to : aura.to)
+      aura.to.for_each([&](RegionId to) {
         heard[to.value].try_emplace(aura.id, RemoteAura{aura.id, self, aura.room, aura.asleep});
+      });
     for (const Pull& pull : decisions[from].pulls)
       for (BodyId id : pull.bodies) asked[pull.from.value].push_back({id, self});
     for (const Migration& migration : decisions[from].leaving)

@@ -57,7 +57,7 @@ TEST_CASE("reading a world changes nothing in it") {
     left_alone.step(tick_s);
     read.contacts_within(ids_of(read));
     read.touching(read.ids()[5]);
-    read.contact_graph(read.ids(), graph);
+    read.contact_graph(graph);
     read.contacts_around(std::span(read.ids()).first(9));
     read.is_supported(read.ids()[6]);
     read.raycast({-5, 3, 0}, {20, 0, 5});

@@ -277,8 +277,9 @@ TEST_CASE("a stand-in put beside a sleeper touches it at once and wakes it only 
   CHECK(world.is_asleep(sleeper.id));
   CHECK(world.touching(sleeper.id).empty());
   ContactGraph graph;
-  world.contact_graph({&sleeper.id, 1}, graph);
-  CHECK(graph.leaning_on(0) == 0);
+  world.contact_graph(graph);
+  std::vector<std::uint32_t> touched;
+  CHECK(graph.find_touching(world.glance(sleeper.id).slot(), touched) == 0);
 }
 
 TEST_CASE("contacts with a stand-in change their world and come back") {

@@ -50,7 +50,7 @@ ProjectedAura aura(std::uint32_t n, double x) {
   made.room = {{x, 2, -3}, {0.3, -0.51, 0.7}, 0.4};
   made.company = {static_cast<std::uint16_t>(n + 1), 3, 2, n % 2 == 0};
   made.speed_mps = std::abs(x);
-  made.to = {hearer};
+  made.to.add(hearer);
   return made;
 }
 

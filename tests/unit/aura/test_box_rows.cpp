@@ -1,9 +1,9 @@
-// The grid finds what comparing each with each finds; capsules are as far apart as their points.
+// Rows find what comparing each with each finds; capsules are as far apart as their points.
 #include <algorithm>
 #include <random>
 
 #include "server/aura/aura_capsule.h"
-#include "server/aura/overlap_grid.h"
+#include "server/aura/box_rows.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;
@@ -35,20 +35,20 @@ double distance_by_samples(const AuraCapsule& a, const AuraCapsule& b) {
 
 }  // namespace
 
-TEST_CASE("the grid finds each overlapping box once, small ones and huge ones") {
+TEST_CASE("rows find each overlapping box once, small ones and huge ones") {
   Dice dice;
   for (const double world_m : {3.0, 40.0, 5000.0})
     for (const double half_m : {0.0, 1.5, 30.0}) {
       std::vector<AuraBox> boxes;
       for (int n = 0; n < 200; ++n) boxes.push_back(box_of(dice, world_m, half_m));
       boxes.push_back({{0, 0, 0}, {1000, 1000, 1000}});
-      OverlapGrid grid;
-      grid.build(boxes);
+      BoxRows rows;
+      rows.build(boxes);
       for (int n = 0; n < 60; ++n) {
         const AuraBox asked =
             n < 30 ? boxes[static_cast<std::size_t>(n)] : box_of(dice, 1.2 * world_m, 2 * half_m);
         std::vector<std::uint32_t> found, expected;
-        grid.find(asked, found);
+        rows.find(asked, found);
         for (std::uint32_t i = 0; i < boxes.size(); ++i)
           if (boxes[i].overlaps(asked)) expected.push_back(i);
         std::sort(found.begin(), found.end());
@@ -57,15 +57,15 @@ TEST_CASE("the grid finds each overlapping box once, small ones and huge ones") 
     }
 }
 
-TEST_CASE("what lies on both sides of empty columns is found by whoever reaches over them") {
+TEST_CASE("what lies on both sides of an empty place is found by whoever reaches over them") {
   std::vector<AuraBox> boxes;
   for (int n = 0; n < 100; ++n)
     boxes.push_back({{n % 2 == 0 ? 0.0 : 20.0, 0, 0.05 * n}, {0.3, 0.3, 0.3}});
-  OverlapGrid grid;
-  grid.build(boxes);
+  BoxRows rows;
+  rows.build(boxes);
   const auto count = [&](double low_x, double high_x) {
     std::vector<std::uint32_t> found;
-    grid.find({{(low_x + high_x) / 2, 0, 2.5}, {(high_x - low_x) / 2, 1, 3}}, found);
+    rows.find({{(low_x + high_x) / 2, 0, 2.5}, {(high_x - low_x) / 2, 1, 3}}, found);
     return found.size();
   };
   CHECK(count(-1, 21) == 100);
@@ -74,15 +74,15 @@ TEST_CASE("what lies on both sides of empty columns is found by whoever reaches 
   CHECK(count(5, 15) == 0);
 }
 
-TEST_CASE("a grid without boxes finds nothing, and one that is built again forgets the first") {
-  OverlapGrid grid;
+TEST_CASE("without boxes nothing is found, and what is built again forgets the first") {
+  BoxRows rows;
   std::vector<std::uint32_t> found;
-  grid.find({{0, 0, 0}, {1, 1, 1}}, found);
+  rows.find({{0, 0, 0}, {1, 1, 1}}, found);
   REQUIRE(found.empty());
   const std::vector<AuraBox> one{{{0, 0, 0}, {1, 1, 1}}}, other{{{9, 0, 0}, {1, 1, 1}}};
-  grid.build(one);
-  grid.build(other);
-  grid.find({{0, 0, 0}, {1, 1, 1}}, found);
+  rows.build(one);
+  rows.build(other);
+  rows.find({{0, 0, 0}, {1, 1, 1}}, found);
   REQUIRE(found.empty());
 }
 

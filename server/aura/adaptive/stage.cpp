@@ -1,0 +1,119 @@
+// Coming on the stage, and finding who is on it.
+#include "server/aura/adaptive/stage.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace aureole {
+
+void Stage::begin(const MigrationSituation& situation) {
+  situation_ = &situation;
+  bodies_.clear();
+  auras_.clear();
+  boxes_.clear();
+  for (const Sleepers::Place place : admitted_) number_of_sleeper_[place] = none;
+  admitted_.clear();
+  ascending_.clear();
+  number_in_slot_.clear();
+  if (situation.sleepers != nullptr) choose_sleepers();
+}
+
+void Stage::add(const HostedBody& body, const AuraCapsule& aura) {
+  const std::uint32_t number = size();
+  bodies_.push_back(&body);
+  auras_.push_back(aura);
+  boxes_.push_back(aura.box());
+  if (!body.asleep || situation_->sleepers == nullptr) return;
+  // It sleeps, and something is to happen with it.
+  if (const auto place = situation_->sleepers->place_of(body.id)) {
+    if (number_of_sleeper_.size() <= *place) number_of_sleeper_.resize(*place + 1, none);
+    number_of_sleeper_[*place] = number;
+    admitted_.push_back(*place);
+  }
+}
+
+void Stage::add_sleepers_beyond() {
+  if (situation_->sleepers == nullptr) return;
+  for (const Sleepers::Place place : situation_->sleepers->beyond()) admit(place);
+}
+
+/// Its number, whether it has been here before or not.
+std::uint32_t Stage::admit(Sleepers::Place place) {
+  if (number_of_sleeper_.size() <= place) number_of_sleeper_.resize(place + 1, none);
+  if (number_of_sleeper_[place] != none) return number_of_sleeper_[place];
+  const std::uint32_t number = size();
+  number_of_sleeper_[place] = number;
+  admitted_.push_back(place);
+  const Sleepers& sleepers = *situation_->sleepers;
+  bodies_.push_back(&sleepers.body(place));
+  auras_.push_back(sleepers.aura(place));
+  boxes_.push_back(sleepers.box(place));
+  return number;
+}
+
+void Stage::set_aura(std::uint32_t number, const AuraCapsule& aura) {
+  auras_[number] = aura;
+  boxes_[number] = aura.box();
+}
+
+void Stage::choose_sleepers() {
+  const View* view = situation_->view;
+  near_sleepers_.build(
+      {}, situation_->sleepers->rows(), 0, [&](Sleepers::Place, const RoughBox& box) {
+        return view == nullptr ||
+               view->holds((box.low[0] + box.high[0]) / 2, (box.low[2] + box.high[2]) / 2);
+      });
+}
+
+void Stage::sort_boxes() {
+  if (situation_->sleepers == nullptr) return rows_.build(boxes_);
+  rows_.build(boxes_, near_sleepers_, sleeper_mark, [&](Sleepers::Place place, const RoughBox&) {
+    return place >= number_of_sleeper_.size() || number_of_sleeper_[place] == none;
+  });
+}
+
+void Stage::find(const AuraBox& box, std::vector<std::uint32_t>& found) {
+  const std::size_t first = found.size();
+  rows_.find(box, found);
+  for (std::size_t k = first; k < found.size(); ++k)
+    if ((found[k] & sleeper_mark) != 0) found[k] = admit(found[k] & ~sleeper_mark);
+}
+
+std::optional<std::uint32_t> Stage::number_of(BodyId id) {
+  if (const auto index = index_of(situation_->hosted, id)) return index;
+  if (situation_->sleepers == nullptr) return {};
+  const auto place = situation_->sleepers->place_of(id);
+  return place ? std::optional(admit(*place)) : std::nullopt;
+}
+
+void Stage::note_slots() {
+  number_in_slot_.assign(situation_->contacts->slots(), none);
+  for (std::uint32_t i = 0; i < size(); ++i) number_in_slot_[body(i).slot] = i;
+}
+
+std::size_t Stage::find_touching(std::uint32_t number, std::vector<std::uint32_t>& found) {
+  if (number_in_slot_.empty()) note_slots();
+  found.clear();
+  const std::size_t touched = situation_->contacts->find_touching(body(number).slot, slots_);
+  for (const std::uint32_t slot : slots_) {
+    std::uint32_t& known = number_in_slot_[slot];
+    if (known == none) known = number_of(situation_->contacts->body_in(slot)).value_or(none);
+    if (known != none) found.push_back(known);
+  }
+  return touched;
+}
+
+std::span<const std::uint32_t> Stage::ascending() {
+  if (ascending_.size() == bodies_.size()) return ascending_;
+  ascending_.resize(bodies_.size());
+  std::iota(ascending_.begin(), ascending_.end(), 0u);
+  const auto by_id = [&](std::uint32_t a, std::uint32_t b) {
+    return bodies_[a]->id < bodies_[b]->id;
+  };
+  const auto middle = ascending_.begin() + static_cast<std::ptrdiff_t>(situation_->hosted.size());
+  std::sort(middle, ascending_.end(), by_id);
+  std::inplace_merge(ascending_.begin(), middle, ascending_.end(), by_id);
+  return ascending_;
+}
+
+}  // namespace aureole

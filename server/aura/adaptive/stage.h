@@ -1,0 +1,72 @@
+// The bodies that one decision is about, with their auras.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "server/aura/aura_capsule.h"
+#include "server/aura/box_rows.h"
+#include "server/aura/migration_policy.h"
+#include "server/aura/sleepers.h"
+
+namespace aureole {
+
+/// First come those of `MigrationSituation::hosted`, in their order, then sleepers: whose auras
+/// reach out of the region at once, others when something finds them. Everything that is said of
+/// bodies in a decision names them by their numbers on the stage.
+class Stage {
+ public:
+  /// Begins a decision; the situation must outlive it. Of `hosted` nobody is on it yet.
+  void begin(const MigrationSituation& situation);
+  /// The next one of `hosted`, as large as it is by itself.
+  void add(const HostedBody& body, const AuraCapsule& aura);
+  /// When all of them are on it: lets those in whose auras reach out of the region.
+  void add_sleepers_beyond();
+
+  /// Grows while it is asked.
+  std::uint32_t size() const { return static_cast<std::uint32_t>(bodies_.size()); }
+  const HostedBody& body(std::uint32_t number) const { return *bodies_[number]; }
+  const AuraCapsule& aura(std::uint32_t number) const { return auras_[number]; }
+  /// The box around it.
+  const AuraBox& box(std::uint32_t number) const { return boxes_[number]; }
+  void set_aura(std::uint32_t number, const AuraCapsule& aura);
+
+  /// To be called after auras have been set: find() knows them by their size at this moment.
+  void sort_boxes();
+  /// Appends the numbers of all whose boxes overlap `box`, each once; sleepers that are found come
+  /// on the stage.
+  void find(const AuraBox& box, std::vector<std::uint32_t>& found);
+  /// A sleeper that is found comes on the stage.
+  std::optional<std::uint32_t> number_of(BodyId id);
+  /// Replaces `found` by all that share a contact with the body, but for those that the decision is
+  /// not shown; sleepers come on the stage. Returns how many it touches; see ContactSource.
+  std::size_t find_touching(std::uint32_t number, std::vector<std::uint32_t>& found);
+
+  /// The numbers of all who are on it now, by their ids. Valid until somebody comes.
+  std::span<const std::uint32_t> ascending();
+
+ private:
+  static constexpr std::uint32_t none = static_cast<std::uint32_t>(-1);
+  void choose_sleepers();
+  std::uint32_t admit(Sleepers::Place sleeper);
+  void note_slots();
+
+  const MigrationSituation* situation_ = nullptr;
+  std::vector<const HostedBody*> bodies_;
+  std::vector<AuraCapsule> auras_;
+  std::vector<AuraBox> boxes_;
+  BoxRows near_sleepers_;  ///< Those that the decision is shown, by place.
+  /// Boxes by number, and those of sleepers that are not among them by place, marked so.
+  BoxRows rows_;
+  static constexpr BoxRows::Number sleeper_mark = BoxRows::Number{1} << 31;
+  std::vector<std::uint32_t> number_of_sleeper_;  ///< By place; `none`: not on the stage.
+  std::vector<Sleepers::Place> admitted_;         ///< Places with a number.
+  std::vector<std::uint32_t> ascending_;
+  /// By HostedBody::slot; filled when contacts are first asked for.
+  std::vector<std::uint32_t> number_in_slot_;
+  std::vector<std::uint32_t> slots_;  ///< Only used within find_touching().
+};
+
+}  // namespace aureole

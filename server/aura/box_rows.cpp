@@ -1,0 +1,134 @@
+// Sorting, and looking only where boxes may begin that reach as far as here.
+#include "server/aura/box_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/base/check.h"
+
+namespace aureole {
+namespace {
+
+/// Farther than 32 km from the origin rows are one.
+constexpr float farthest_row = 8192;
+
+/// Where a box begins that has been erased: nothing is so far away.
+constexpr float erased = std::numeric_limits<float>::infinity();
+
+/// In a longer row the first box is searched for.
+constexpr std::ptrdiff_t long_row = 16;
+
+std::int32_t row_of(float z) {
+  const float row = std::floor(z * static_cast<float>(1 / BoxRows::row_m));
+  // Written so that what is not a number lands somewhere, too.
+  return row > -farthest_row ? static_cast<std::int32_t>(std::min(row, farthest_row))
+                             : static_cast<std::int32_t>(-farthest_row);
+}
+
+}  // namespace
+
+RoughBox RoughBox::around(const AuraBox& box) {
+  RoughBox rough{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<Eigen::Index>(axis);
+    const double low = box.centre[i] - box.half[i], high = box.centre[i] + box.half[i];
+    // More than a float is rounded by.
+    const double slack = 1e-6 * (1 + std::max(std::abs(low), std::abs(high)));
+    rough.low[axis] = static_cast<float>(low - slack);
+    rough.high[axis] = static_cast<float>(high + slack);
+  }
+  return rough;
+}
+
+void BoxRows::clear() {
+  entries_.clear();
+  fresh_.clear();
+  large_.clear();
+  begins_.clear();
+  erased_ = false;
+}
+
+void BoxRows::insert(Number number, const AuraBox& box) {
+  const RoughBox rough = RoughBox::around(box);
+  const bool fits =
+      rough.high[0] - rough.low[0] <= wide_m && rough.high[2] - rough.low[2] <= wide_m;
+  (fits ? fresh_ : large_).push_back({row_of(rough.low[2]), number, rough});
+}
+
+void BoxRows::erase(Number number, const AuraBox& box) {
+  const auto is_it = [&](const Entry& entry) { return entry.number == number; };
+  const RoughBox rough = RoughBox::around(box);
+  const Entry key{row_of(rough.low[2]), number, rough};
+  const auto at = std::lower_bound(entries_.begin(), entries_.end(), key, is_before);
+  if (at != entries_.end() && is_it(*at)) {
+    // It keeps its place in the order until the next settle().
+    at->box.low[2] = erased;
+    erased_ = true;
+    return;
+  }
+  const auto gone = std::erase_if(fresh_, is_it) + std::erase_if(large_, is_it);
+  AUREOLE_CHECK(gone == 1, "only boxes that are here are erased");
+}
+
+void BoxRows::settle() {
+  if (fresh_.empty() && !erased_) return;
+  if (erased_)
+    std::erase_if(entries_, [](const Entry& entry) { return entry.box.low[2] == erased; });
+  erased_ = false;
+  std::sort(fresh_.begin(), fresh_.end(), is_before);
+  const auto middle = static_cast<std::ptrdiff_t>(entries_.size());
+  entries_.insert(entries_.end(), fresh_.begin(), fresh_.end());
+  std::inplace_merge(entries_.begin(), entries_.begin() + middle, entries_.end(), is_before);
+  fresh_.clear();
+  find_rows();
+}
+
+/// `fresh_` holds the boxes, sorted.
+void BoxRows::begin(std::span<const AuraBox> boxes) {
+  clear();
+  for (std::size_t i = 0; i < boxes.size(); ++i) insert(static_cast<Number>(i), boxes[i]);
+  std::sort(fresh_.begin(), fresh_.end(), is_before);
+}
+
+void BoxRows::build(std::span<const AuraBox> boxes) {
+  begin(boxes);
+  entries_.swap(fresh_);
+  find_rows();
+}
+
+void BoxRows::find_rows() {
+  widest_m_ = deepest_m_ = 0;
+  begins_.clear();
+  if (entries_.empty()) return;
+  first_row_ = entries_.front().row;
+  for (std::uint32_t i = 0; i < entries_.size(); ++i) {
+    const Entry& entry = entries_[i];
+    widest_m_ = std::max(widest_m_, entry.box.high[0] - entry.box.low[0]);
+    deepest_m_ = std::max(deepest_m_, entry.box.high[2] - entry.box.low[2]);
+    begins_.resize(static_cast<std::size_t>(entry.row - first_row_ + 1), i);
+  }
+  begins_.push_back(static_cast<std::uint32_t>(entries_.size()));
+}
+
+void BoxRows::find(const AuraBox& box, std::vector<Number>& found) const {
+  const RoughBox asked = RoughBox::around(box);
+  const auto rows = static_cast<std::int32_t>(begins_.size()) - 1;
+  const std::int32_t first = std::max(row_of(asked.low[2] - deepest_m_) - first_row_, 0);
+  const std::int32_t last = std::min(row_of(asked.high[2]) - first_row_, rows - 1);
+  const float from_x = asked.low[0] - widest_m_;
+  for (std::int32_t row = first; row <= last; ++row) {
+    const auto place = static_cast<std::size_t>(row);
+    auto at = entries_.begin() + begins_[place];
+    const auto end = entries_.begin() + begins_[place + 1];
+    if (end - at > long_row)
+      at = std::lower_bound(at, end, from_x,
+                            [](const Entry& entry, float x) { return entry.box.low[0] < x; });
+    for (; at != end && at->box.low[0] <= asked.high[0]; ++at)
+      if (at->box.meets(asked)) found.push_back(at->number);
+  }
+  for (const Entry& entry : large_)
+    if (entry.box.meets(asked)) found.push_back(entry.number);
+}
+
+}  // namespace aureole

@@ -1,0 +1,50 @@
+// Coming and going.
+#include "server/aura/sleepers.h"
+
+#include "server/aura/adaptive/aura_size.h"
+
+namespace aureole {
+
+void Sleepers::put(const HostedBody& body) {
+  take(body.id);
+  Place place = static_cast<Place>(sleepers_.size());
+  if (free_.empty()) {
+    sleepers_.emplace_back();
+  } else {
+    place = free_.back();
+    free_.pop_back();
+  }
+  by_id_.emplace(body.id, place);
+  const AuraCapsule aura = resting_aura(body);
+  Sleeper& sleeper = sleepers_[place] = {body, aura, aura.box(), not_beyond};
+  const AuraBox& box = sleeper.box;
+  const bool inside = home_.holds(box.centre.x() - box.half.x(), box.centre.z() - box.half.z(),
+                                  box.centre.x() + box.half.x(), box.centre.z() + box.half.z());
+  if (!inside) {
+    sleeper.beyond = static_cast<std::uint32_t>(beyond_.size());
+    beyond_.push_back(place);
+  }
+  rows_.insert(place, box);
+}
+
+bool Sleepers::take(BodyId id) {
+  const auto at = by_id_.find(id);
+  if (at == by_id_.end()) return false;
+  const Place place = at->second;
+  rows_.erase(place, sleepers_[place].box);
+  if (const std::uint32_t hole = sleepers_[place].beyond; hole != not_beyond) {
+    beyond_[hole] = beyond_.back();
+    sleepers_[beyond_[hole]].beyond = hole;
+    beyond_.pop_back();
+  }
+  by_id_.erase(at);
+  free_.push_back(place);
+  return true;
+}
+
+std::optional<Sleepers::Place> Sleepers::place_of(BodyId id) const {
+  const auto at = by_id_.find(id);
+  return at == by_id_.end() ? std::nullopt : std::optional(at->second);
+}
+
+}  // namespace aureole

@@ -1,0 +1,65 @@
+// Bodies that sleep, kept as they lay down: what nothing comes near to costs a decision nothing.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "server/aura/aura_capsule.h"
+#include "server/aura/box_rows.h"
+#include "server/aura/migration_policy.h"
+#include "server/aura/partition_map.h"
+#include "server/base/ids.h"
+
+namespace aureole {
+
+/// Most of a world sleeps most of the time. Whoever hosts sleeping bodies puts them here when they
+/// fall asleep and takes them out when they wake or go; in between they neither move nor change,
+/// and decisions find those that matter by where they lie.
+class Sleepers {
+ public:
+  /// Names a sleeper while it is here.
+  using Place = std::uint32_t;
+
+  /// `home`: the area of the region whose bodies these are.
+  explicit Sleepers(const Rectangle& home) : home_(home) {}
+
+  /// One that is here already is put where it lies now. Its own aura is resting_aura().
+  void put(const HostedBody& body);
+  /// False: it is not here.
+  bool take(BodyId id);
+  /// Call after put() and take(), before rows() is asked.
+  void settle() { rows_.settle(); }
+
+  std::size_t size() const { return by_id_.size(); }
+  std::optional<Place> place_of(BodyId id) const;
+  const HostedBody& body(Place place) const { return sleepers_[place].body; }
+  const AuraCapsule& aura(Place place) const { return sleepers_[place].aura; }
+  /// Around the aura.
+  const AuraBox& box(Place place) const { return sleepers_[place].box; }
+
+  /// The boxes around their auras, by place.
+  const BoxRows& rows() const { return rows_; }
+  /// Those whose auras reach out of the region; in no order that means anything.
+  std::span<const Place> beyond() const { return beyond_; }
+
+ private:
+  static constexpr std::uint32_t not_beyond = static_cast<std::uint32_t>(-1);
+  struct Sleeper {
+    HostedBody body;
+    AuraCapsule aura;
+    AuraBox box;
+    std::uint32_t beyond = not_beyond;  ///< Its place in `beyond_`.
+  };
+
+  Rectangle home_;
+  std::vector<Sleeper> sleepers_;
+  std::vector<Place> free_;
+  std::unordered_map<BodyId, Place> by_id_;
+  BoxRows rows_;
+  std::vector<Place> beyond_;
+};
+
+}  // namespace aureole

@@ -1,0 +1,107 @@
+// One walk over those who are awake; whoever is not in it any more has fallen asleep or gone.
+#include "server/region/hosted_bodies.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/aura/adaptive/aura_size.h"
+
+namespace aureole {
+
+/// Everything that does not depend on time.
+HostedBody HostedBodies::glimpse(const Hosting& hosting, const BodyGlance& seen) const {
+  const PrototypeId prototype = seen.prototype();
+  const BodyDefinition& definition = hosting.definitions()[prototype.value];
+  const BodyState state = seen.state();
+  const Spine& spine = hosting.spine(prototype);
+  HostedBody body;
+  body.id = seen.id();
+  body.slot = seen.slot();
+  body.position = state.position;
+  body.half_extents = seen.half_extents().cast<double>();
+  body.bounding_radius_m = hosting.radius(prototype);
+  body.half_spine = (state.orientation * spine.half).cast<double>();
+  body.girth_m = double{spine.girth};
+  body.velocity_mps = state.linear_velocity.cast<double>();
+  body.asleep = state.activation == Activation::asleep;
+  if (!body.asleep)
+    body.motion_speed_mps = double{motion_speed(definition.shape, state.orientation,
+                                                state.linear_velocity, state.angular_velocity)};
+  body.mass_kg = definition.mass_kg;
+  body.restitution = definition.restitution;
+  body.round = std::holds_alternative<SphereShape>(definition.shape);
+  return body;
+}
+
+void HostedBodies::show(Hosting& hosting, const BodyGlance& seen, const Look& look, Tick now) {
+  HostedBody& body = hosted_.emplace_back(glimpse(hosting, seen));
+  hosting.look(body, now, seen.slow_for_s());
+  body.pressed = look.watch.is_pressed(body.id, now);
+  if (body.still_ticks == 0) nearby_geometry_.look(body, look.reach_s);
+}
+
+void HostedBodies::lay_down(Hosting& hosting, BodyId id) {
+  HostedBody body = glimpse(hosting, hosting.physics().glance(id));
+  hosting.lie_down(body);
+  sleepers_.put(body);
+}
+
+/// `changed`: came or went since the last decision.
+void HostedBodies::keep_sleepers(Hosting& hosting, std::span<const BodyId> changed) {
+  for (const BodyId id : changed) {
+    sleepers_.take(id);
+    if (hosting.hosts(id) && hosting.physics().is_asleep(id)) lay_down(hosting, id);
+  }
+  awake_now_.clear();
+  auto before = awake_.begin();
+  const auto fallen_asleep = [&](BodyId id) {
+    if (hosting.hosts(id) && !sleepers_.place_of(id)) lay_down(hosting, id);
+  };
+  for (const NewBody& body : hosting.physics().awake()) {
+    awake_now_.push_back(body.id);
+    while (before != awake_.end() && *before < body.id) fallen_asleep(*before++);
+    if (before != awake_.end() && *before == body.id)
+      ++before;
+    else if (sleepers_.take(body.id))
+      hosting.wake_up(body.id);
+  }
+  while (before != awake_.end()) fallen_asleep(*before++);
+  awake_.swap(awake_now_);
+  sleepers_.settle();
+}
+
+void HostedBodies::begin(Hosting& hosting, std::span<const RemoteAura> remote, double depth_m,
+                         Tick now) {
+  apart_ = std::isfinite(depth_m);
+  strip_.note(remote, depth_m);
+  const std::span<const BodyId> changed = hosting.begin_look(now);
+  if (apart_) keep_sleepers(hosting, changed);
+}
+
+std::vector<HostedBody>& HostedBodies::look(Hosting& hosting, const Look& look, Tick now) {
+  hosted_.clear();
+  const PhysicsWorld& physics = hosting.physics();
+  if (!apart_) {
+    physics.for_each([&](const BodyGlance& seen) { show(hosting, seen, look, now); });
+    return hosted_;
+  }
+  hosting.begin_look(now);
+  auto stirred = look.stirred.begin();
+  const auto show_sleeper = [&](BodyId id) {
+    const auto place = sleepers_.place_of(id);
+    if (place && (look.whole || strip_.holds(sleepers_.body(*place).position)))
+      show(hosting, physics.glance(id), look, now);
+  };
+  const std::span<const NewBody> awake = physics.awake();
+  for (std::size_t n = 0; n < awake.size(); ++n) {
+    const BodyId id = awake[n].id;
+    while (stirred != look.stirred.end() && *stirred < id) show_sleeper(*stirred++);
+    if (look.whole || strip_.holds(awake[n].state.position) ||
+        std::binary_search(look.asked_for.begin(), look.asked_for.end(), id))
+      show(hosting, physics.awake_glance(n), look, now);
+  }
+  while (stirred != look.stirred.end()) show_sleeper(*stirred++);
+  return hosted_;
+}
+
+}  // namespace aureole

@@ -1,0 +1,60 @@
+// What a policy is shown of the bodies that are hosted here.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "server/aura/migration_policy.h"
+#include "server/aura/sleepers.h"
+#include "server/base/ids.h"
+#include "server/base/tick.h"
+#include "server/region/boundary_strip.h"
+#include "server/region/hosting.h"
+#include "server/region/nearby_geometry.h"
+#include "server/region/stand_ins/stand_in_watch.h"
+
+namespace aureole {
+
+/// Those who are awake are looked at in every decision, if they are near enough to the boundary or
+/// to others' auras; those who sleep once, when they fall asleep. A policy that has no use for that
+/// (MigrationPolicy::depth_m() is infinite) is shown everybody.
+class HostedBodies {
+ public:
+  HostedBodies(const PartitionMap& map, RegionId self, std::span<const StaticDefinition> statics)
+      : nearby_geometry_(statics), strip_(map, self), sleepers_(map.area(self)) {}
+
+  /// Once a decision, before look(): what others project, and how deep the strip is now.
+  void begin(Hosting& hosting, std::span<const RemoteAura> remote, double depth_m, Tick now);
+
+  struct Look {
+    const StandInWatch& watch;
+    double reach_s = 0;
+    bool whole = false;  ///< Whoever is awake is shown, wherever it is.
+    /// To be shown wherever they are; ascending, some may not be here.
+    std::span<const BodyId> asked_for;
+    /// To be shown though they sleep; the same.
+    std::span<const BodyId> stirred;
+  };
+  /// Ascending; see MigrationSituation::hosted. The caller's until the next call.
+  std::vector<HostedBody>& look(Hosting& hosting, const Look& look, Tick now);
+
+  const BoundaryStrip& strip() const { return strip_; }
+  /// Null: they are among those that look() returns.
+  const Sleepers* sleepers() const { return apart_ ? &sleepers_ : nullptr; }
+
+ private:
+  void keep_sleepers(Hosting& hosting, std::span<const BodyId> changed);
+  void lay_down(Hosting& hosting, BodyId id);
+  HostedBody glimpse(const Hosting& hosting, const BodyGlance& seen) const;
+  void show(Hosting& hosting, const BodyGlance& seen, const Look& look, Tick now);
+
+  NearbyGeometry nearby_geometry_;
+  BoundaryStrip strip_;
+  Sleepers sleepers_;
+  bool apart_ = false;
+  std::vector<BodyId> awake_;  ///< As of the last decision; ascending.
+  std::vector<BodyId> awake_now_;
+  std::vector<HostedBody> hosted_;
+};
+
+}  // namespace aureole
