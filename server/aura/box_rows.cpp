@@ -57,7 +57,9 @@ void BoxRows::insert(Number number, const AuraBox& box) {
 }
 
 void BoxRows::erase(Number number, const AuraBox& box) {
-  const auto is_it = [&](const Entry& entry) { return entry.number == number; };
+  const auto is_it = [&](const Entry& entry) {
+    return entry.number == number && entry.box.low[2] != erased;
+  };
   const RoughBox rough = RoughBox::around(box);
   const Entry key{row_of(rough.low[2]), number, rough};
   const auto at = std::lower_bound(entries_.begin(), entries_.end(), key, is_before);

@@ -19,8 +19,9 @@ class BoxRows {
   using Number = std::uint32_t;
   /// Depth of a row (unit: m): about the size of one aura.
   static constexpr double row_m = 4.0;
-  /// What is wider or deeper is kept apart and asked one by one (m).
-  static constexpr float wide_m = 24.0f;
+  /// What is wider or deeper is kept apart and asked one by one (m): the widest box of a row widens
+  /// every question.
+  static constexpr float wide_m = 12.0f;
 
   /// Boxes anew, numbered by their places.
   void build(std::span<const AuraBox> boxes);
@@ -53,7 +54,7 @@ class BoxRows {
   void settle();
 
   /// Appends the numbers of all boxes that overlap `box`, and perhaps of some that miss it by a
-  /// millionth part, each once, in an order that depends on the boxes only.
+  /// millionth part, each once, in an order that depends on the boxes and their numbers only.
   void find(const AuraBox& box, std::vector<Number>& found) const;
 
  private:

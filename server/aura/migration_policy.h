@@ -140,7 +140,8 @@ struct MigrationSituation {
   const std::vector<bool>& linked;
   /// Who touches whom; null: nobody is asked (naive, paper, some tests).
   const ContactSource* contacts = nullptr;
-  /// What `hosted` and `sleepers` may lack; null: nothing.
+  /// What `hosted` may lack, and where no sleepers are looked for; null: nothing. By name and by
+  /// contact sleepers are found anywhere.
   const View* view = nullptr;
   /// All bodies that sleep here; null: they are in `hosted`.
   const Sleepers* sleepers = nullptr;

@@ -1,4 +1,5 @@
 // Passes over all bodies: by pointer, where asking for each by its id would search for it.
+#include "server/base/check.h"
 #include "server/physics/bullet/bullet_conversions.h"
 #include "server/physics/physics_world.h"
 #include "server/physics/physics_world_impl.h"
@@ -43,6 +44,8 @@ void PhysicsWorld::for_each(const std::function<void(const BodyGlance&)>& visit)
 }
 
 BodyGlance PhysicsWorld::awake_glance(std::size_t n) const {
+  AUREOLE_CHECK(impl_->awake_is_current && n < impl_->awake.objects.size(),
+                "awake() is asked before its members are looked at");
   return {impl_->world, *impl_->awake.objects[n]};
 }
 BodyGlance PhysicsWorld::glance(BodyId id) const {

@@ -154,7 +154,7 @@ class PhysicsWorld {
   /// One look at each body in the order of their ids, without a search for any; `visit` changes
   /// nothing in this world.
   void for_each(const std::function<void(const BodyGlance&)>& visit) const;
-  /// One look at the n-th of awake(), or at a body by its id.
+  /// One look at the n-th of awake(), while its answer is valid, or at a body by its id.
   BodyGlance awake_glance(std::size_t n) const;
   BodyGlance glance(BodyId id) const;
   PrototypeId prototype(BodyId id) const;
@@ -164,7 +164,8 @@ class PhysicsWorld {
   /// Half edges of the axis-aligned box around the body as it stands (m).
   Eigen::Vector3f half_extents(BodyId id) const;
 
-  /// Overwrites pose, velocities and activation; wakes what touched the body if the pose changes.
+  /// Overwrites pose, velocities and activation; wakes what touched the body if the pose changes. A
+  /// body that sleeps is not moved without being woken: others remember where it lies.
   void set_state(BodyId id, const BodyState& state);
   /// Velocity change at the centre of mass (unit: N s); wakes the body.
   void apply_impulse(BodyId id, const Eigen::Vector3f& impulse);

@@ -46,7 +46,8 @@ void HostedBodies::lay_down(Hosting& hosting, BodyId id) {
   sleepers_.put(body);
 }
 
-/// `changed`: came or went since the last decision.
+/// `changed`: came or went since the last decision. Nobody moves asleep: whoever lies elsewhere
+/// than it did has been awake, or has come again.
 void HostedBodies::keep_sleepers(Hosting& hosting, std::span<const BodyId> changed) {
   for (const BodyId id : changed) {
     sleepers_.take(id);

@@ -160,6 +160,7 @@ void Hosting::lie_down(HostedBody& body) {
 void Hosting::wake_up(BodyId id) {
   Record& record = records_.at(id);
   record.lies = false;
+  // As if it had been looked at all the time while it slept.
   record.moved = never_changed;
   record.looked_at = look_before_;
 }

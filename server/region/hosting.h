@@ -49,7 +49,8 @@ class Hosting {
   void look(HostedBody& body, Tick now, float slow_for_s);
   /// Instead of look(), once, for one that has fallen asleep: until wake_up() it lies still.
   void lie_down(HostedBody& body);
-  /// Of one that has been woken; that alone does not make it move.
+  /// Of one that has been woken, after begin_look() and before look(); that alone does not make it
+  /// move.
   void wake_up(BodyId id);
   std::uint8_t still_ticks(BodyId id, Tick now) const;
   bool lies_still(BodyId id, Tick now) const { return still_ticks(id, now) >= resting_ticks; }
@@ -98,7 +99,7 @@ class Hosting {
     Tick changed_owner_before;  ///< The change before the last one.
     RegionId came_from;
     Tick looked_at = born_now;  ///< When it was last looked at; whoever comes is looked at.
-    bool lies = false;          ///< See lie_down().
+    bool lies = false;          ///< It lay down, and no decision has been made since it woke.
   };
   bool make_record(BodyId id, const Record& record);
   void erase_record(BodyId id);

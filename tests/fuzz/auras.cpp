@@ -30,6 +30,8 @@ class SomeBodies : public AuraBodies {
 MigrationDecision decision(std::uint32_t from, std::uint32_t until, bool asks = false,
                            double height_m = 1) {
   MigrationDecision made;
+  RegionSet told;
+  told.add(RegionId{0});
   for (std::uint32_t n = from; n < until; ++n)
     made.projected.push_back({BodyId::world(n),
                               {{double(n), height_m, -1}, {0.5, 1, 2}},
@@ -37,7 +39,7 @@ MigrationDecision decision(std::uint32_t from, std::uint32_t until, bool asks = 
                               n % 2 == 0,
                               double(n % 7),
                               {},
-                              {RegionId{0}}});
+                              told});
   if (asks)
     made.pulls = {{RegionId{0}, RegionId{2}, {BodyId::world(100)}},
                   {RegionId{0}, RegionId{1}, {BodyId::world(100), BodyId::world(101)}}};

@@ -50,6 +50,7 @@ class Forecast {
     Blow blow;           ///< The hardest that it may take.
     bool waits = false;  ///< To have it passed on.
   };
+  /// Valid until it is asked for somebody else.
   Fate& of(std::uint32_t number) {
     if (fates_.size() <= number) fates_.resize(number + 1);
     return fates_[number];

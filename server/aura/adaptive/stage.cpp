@@ -72,7 +72,7 @@ void Stage::sort_boxes() {
   });
 }
 
-void Stage::find(const AuraBox& box, std::vector<std::uint32_t>& found) {
+void Stage::find(AuraBox box, std::vector<std::uint32_t>& found) {
   const std::size_t first = found.size();
   rows_.find(box, found);
   for (std::size_t k = first; k < found.size(); ++k)

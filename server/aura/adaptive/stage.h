@@ -28,6 +28,7 @@ class Stage {
   /// Grows while it is asked.
   std::uint32_t size() const { return static_cast<std::uint32_t>(bodies_.size()); }
   const HostedBody& body(std::uint32_t number) const { return *bodies_[number]; }
+  /// Valid until somebody comes, like box().
   const AuraCapsule& aura(std::uint32_t number) const { return auras_[number]; }
   /// The box around it.
   const AuraBox& box(std::uint32_t number) const { return boxes_[number]; }
@@ -37,11 +38,12 @@ class Stage {
   void sort_boxes();
   /// Appends the numbers of all whose boxes overlap `box`, each once; sleepers that are found come
   /// on the stage.
-  void find(const AuraBox& box, std::vector<std::uint32_t>& found);
+  void find(AuraBox box, std::vector<std::uint32_t>& found);
   /// A sleeper that is found comes on the stage.
   std::optional<std::uint32_t> number_of(BodyId id);
-  /// Replaces `found` by all that share a contact with the body, but for those that the decision is
-  /// not shown; sleepers come on the stage. Returns how many it touches; see ContactSource.
+  /// Replaces `found` by all that share a contact with the body, but for those awake that the
+  /// decision is not shown; sleepers come on the stage, wherever they are. Returns how many it
+  /// touches; see ContactSource.
   std::size_t find_touching(std::uint32_t number, std::vector<std::uint32_t>& found);
 
   /// The numbers of all who are on it now, by their ids. Valid until somebody comes.

@@ -116,6 +116,10 @@ TEST_CASE("of sleepers in one place each can be taken by itself") {
   for (const int n : {0, 3, 1, 5}) REQUIRE(sleepers.take(name(n)));
   sleepers.put(asleep_at(3, 5));
   REQUIRE(found_in(sleepers, here) == std::vector{2, 3, 4});
+  // Put again where it lay, and taken, between two settle()s.
+  sleepers.put(asleep_at(3, 5));
+  REQUIRE(sleepers.take(name(3)));
+  REQUIRE(found_in(sleepers, here) == std::vector{2, 4});
 }
 
 TEST_CASE("who reaches out of the region is known without a search") {
