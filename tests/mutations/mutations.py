@@ -244,6 +244,6 @@ MUTATIONS = [
         "server/aura/adaptive/homecoming.cpp",
         "      unrest_.push_back(entry);\n",
         "      {}\n",
-        ((AURA, "a decision is the same whether who sleeps is among the hosted bodies or apart"),),
+        ((AURA, "it is not calm yet where somebody has just fallen asleep"),),
     ),
 ]

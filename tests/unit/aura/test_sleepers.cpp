@@ -177,3 +177,17 @@ TEST_CASE("a decision is the same whether who sleeps is among the hosted bodies 
   }
   REQUIRE(deciding > 300);
 }
+
+TEST_CASE("it is not calm yet where somebody has just fallen asleep") {
+  for (const auto asleep : {Scene::Asleep::among_hosted, Scene::Asleep::apart}) {
+    Scene scene;
+    scene.hosted = {asleep_at(0, 12), awake_at(1, 5)};
+    scene.hosted[0].changed_owner = Tick{-50};
+    const auto policy = make_adaptive_policy(AuraTolerances{});
+    REQUIRE(scene.decide(*policy, Tick{0}, asleep).leaving.empty());
+    scene.hosted[1].asleep = true;
+    REQUIRE(scene.decide(*policy, Tick{10}, asleep).leaving.empty());
+    const auto calm = make_adaptive_policy(AuraTolerances{});
+    REQUIRE(scene.decide(*calm, Tick{10}, asleep).leaving.size() == 1);
+  }
+}
