@@ -86,7 +86,7 @@ std::vector<HostedBody>& HostedBodies::look(Hosting& hosting, const Look& look, 
     physics.for_each([&](const BodyGlance& seen) { show(hosting, seen, look, now); });
     return hosted_;
   }
-  hosting.begin_look(now);
+  hosting.begin_look(now);  // Each look in a tick begins at the first body.
   auto stirred = look.stirred.begin();
   const auto show_sleeper = [&](BodyId id) {
     const auto place = sleepers_.place_of(id);

@@ -139,8 +139,7 @@ class AdaptivePolicy final : public MigrationPolicy {
       const auto cluster = clusters_.known(i);
       if (cluster && clusters_.sent(*cluster)) continue;
       const AuraBox& box = outlook_.box(i);
-      const RegionSet visitors =
-          i < contests_.visitors().size() ? contests_.visitors()[i] : RegionSet{};
+      const RegionSet visitors = contests_.visitors_of(i);
       RegionSet told = visitors;
       const bool inside = home.holds(box.centre.x() - box.half.x(), box.centre.z() - box.half.z(),
                                      box.centre.x() + box.half.x(), box.centre.z() + box.half.z());

@@ -56,9 +56,11 @@ class Contests {
   bool is_contested(std::uint32_t body) const {
     return body < contested_.size() && contested_[body];
   }
-  /// Hosts of the auras near each body's, lately: they are told of it. Whoever comes on the stage
+  /// Hosts of the auras near a body's, lately: they are told of it. Whoever comes on the stage
   /// after find() has none.
-  const std::vector<RegionSet>& visitors() const { return visitors_; }
+  RegionSet visitors_of(std::uint32_t body) const {
+    return body < visitors_.size() ? visitors_[body] : RegionSet{};
+  }
   /// Of a body whose cluster is known.
   const Company& company_of(std::uint32_t body);
 

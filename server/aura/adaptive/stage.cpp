@@ -26,10 +26,14 @@ void Stage::add(const HostedBody& body, const AuraCapsule& aura) {
   if (!body.asleep || situation_->sleepers == nullptr) return;
   // It sleeps, and something is to happen with it.
   if (const auto place = situation_->sleepers->place_of(body.id)) {
-    if (number_of_sleeper_.size() <= *place) number_of_sleeper_.resize(*place + 1, none);
-    number_of_sleeper_[*place] = number;
+    number_at(*place) = number;
     admitted_.push_back(*place);
   }
+}
+
+std::uint32_t& Stage::number_at(Sleepers::Place place) {
+  if (number_of_sleeper_.size() <= place) number_of_sleeper_.resize(place + 1, none);
+  return number_of_sleeper_[place];
 }
 
 void Stage::add_sleepers_beyond() {
@@ -39,10 +43,9 @@ void Stage::add_sleepers_beyond() {
 
 /// Its number, whether it has been here before or not.
 std::uint32_t Stage::admit(Sleepers::Place place) {
-  if (number_of_sleeper_.size() <= place) number_of_sleeper_.resize(place + 1, none);
-  if (number_of_sleeper_[place] != none) return number_of_sleeper_[place];
-  const std::uint32_t number = size();
-  number_of_sleeper_[place] = number;
+  std::uint32_t& number = number_at(place);
+  if (number != none) return number;
+  number = size();
   admitted_.push_back(place);
   const Sleepers& sleepers = *situation_->sleepers;
   bodies_.push_back(&sleepers.body(place));
@@ -67,9 +70,8 @@ void Stage::choose_sleepers() {
 
 void Stage::sort_boxes() {
   if (situation_->sleepers == nullptr) return rows_.build(boxes_);
-  rows_.build(boxes_, near_sleepers_, sleeper_mark, [&](Sleepers::Place place, const RoughBox&) {
-    return place >= number_of_sleeper_.size() || number_of_sleeper_[place] == none;
-  });
+  rows_.build(boxes_, near_sleepers_, sleeper_mark,
+              [&](Sleepers::Place place, const RoughBox&) { return number_at(place) == none; });
 }
 
 void Stage::find(AuraBox box, std::vector<std::uint32_t>& found) {

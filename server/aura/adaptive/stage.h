@@ -52,7 +52,8 @@ class Stage {
  private:
   static constexpr std::uint32_t none = static_cast<std::uint32_t>(-1);
   void choose_sleepers();
-  std::uint32_t admit(Sleepers::Place sleeper);
+  std::uint32_t admit(Sleepers::Place place);
+  std::uint32_t& number_at(Sleepers::Place place);
   void note_slots();
 
   const MigrationSituation* situation_ = nullptr;
