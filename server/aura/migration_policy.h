@@ -42,6 +42,7 @@ struct HostedBody {
   bool round = false;                     ///< A sphere: it rolls where it is going.
   /// Air between it and the plane below, if that is within what it can reach in flight (m).
   double ground_gap_m = std::numeric_limits<double>::infinity();
+  double lowest_m = 0;         ///< Its centre can be no lower over that plane (m).
   bool near_geometry = false;  ///< So is other immovable geometry.
   double mass_kg = 1;
   double restitution = 0;  ///< 0 … 1
@@ -191,8 +192,10 @@ struct MigrationDecision {
 class MigrationPolicy {
  public:
   virtual ~MigrationPolicy() = default;
-  /// Called once after every step.
+  /// Called after every step whose tick is a multiple of interval_ticks(), or the first one after
+  /// such a tick was left out.
   virtual MigrationDecision decide(const MigrationSituation& situation) = 0;
+  virtual std::int64_t interval_ticks() const { return 1; }
   /// How far from the boundary, and from auras of others, a hosted body is of no interest (m): what
   /// is farther away need not be shown at first; see MigrationDecision::sees_too_little. Infinite:
   /// all are wanted.

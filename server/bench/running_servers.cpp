@@ -10,7 +10,7 @@ RunningServers::RunningServers(const BenchOptions& options) {
   count_ = static_cast<int>(world.regions.size());
   SimulationOptions o;
   o.scenario.seed = options.seed;
-  o.pace = {true, false, thread_cpu_ns};
+  o.pace = {true, false, cpu_clocks()};
   o.judged = false;
   simulation_ = std::make_unique<Simulation>(Scenario{std::move(world), "bench", 0}, o);
 }

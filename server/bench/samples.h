@@ -46,7 +46,7 @@ class Samples {
   std::vector<double> cpu_us_;
 };
 
-/// Thread CPU time of `work` (µs). Asking the clock takes about a third of a microsecond itself.
+/// Thread CPU time of `work` (µs). Asking the clock takes 0.3 to 3 µs itself, by the machine.
 template <class Work>
 double cpu_us_of(Work&& work) {
   const std::int64_t before = thread_cpu_ns();

@@ -23,6 +23,7 @@ void for_each_number(Result& r, Use use) {
   use("tolerance_events", r.tolerance_events);
   use("migrations", r.migrations);
   use("migrations_per_body_max_per_s", r.migrations_per_body_max_per_s);
+  use("forced_changes", r.forced_changes);
   use("unsettled", r.unsettled);
   use("awake_at_end", r.awake_at_end);
   use("rest_not_judged", r.rest_not_judged);

@@ -34,6 +34,7 @@ struct SeedResult {
   std::uint64_t tolerance_events = 0;
   std::uint64_t migrations = 0;
   std::uint64_t migrations_per_body_max_per_s = 0;
+  std::uint64_t forced_changes = 0;  ///< Third ones in a second that could not be helped.
   std::uint64_t unsettled = 0;     ///< At the end: asleep away from home, or still changing owner.
   std::uint64_t awake_at_end = 0;  ///< After all the calm that was given.
   std::uint64_t rest_not_judged = 0;  ///< Asleep, but beside what was still awake.

@@ -21,7 +21,7 @@ SimulatedServer::SimulatedServer(const WorldDefinition& world, RegionId self, st
                                  SimulatedPace pace)
     : world_(world), self_(self), incarnation_(0), random_(seed, 100 + self.value), pace_(pace) {
   if (!pace_.even) phase_us_ = random_.below(static_cast<int>(phase_us_max));
-  if (pace_.clock != nullptr) profile_ = std::make_unique<StepProfile>(pace_.clock);
+  if (pace_.clocks.whole != nullptr) profile_ = std::make_unique<StepProfile>(pace_.clocks);
 }
 
 void SimulatedServer::start(SimulatedNetwork& network, Micros now) {

@@ -18,7 +18,7 @@ struct SimulatedPace {
   bool even = false;
   bool snapshots = true;
   /// Null: steps are not profiled.
-  StepProfile::Clock clock = nullptr;
+  StepProfile::Clocks clocks;
   /// The latency tolerance follows what links measure.
   bool follow_latency = false;
 };

@@ -9,10 +9,10 @@
 
 namespace aureole {
 
-BareWorlds::BareWorlds(const WorldDefinition& world, Crossing crossing, StepProfile::Clock clock)
+BareWorlds::BareWorlds(const WorldDefinition& world, Crossing crossing, StepProfile::Clocks clocks)
     : world_(world),
       crossing_(crossing),
-      profile_(clock),
+      profile_(clocks),
       map_(partition_of(world)),
       injected_(world.injectors.size(), 0),
       frames_(world.regions.size()) {

@@ -19,7 +19,7 @@ class BareWorlds final : public MeasuredRun {
     handed_over,  ///< `cut`: at the end of its tick, with its contacts, at no cost.
   };
   /// `world` must outlive the run.
-  BareWorlds(const WorldDefinition& world, Crossing crossing, StepProfile::Clock clock);
+  BareWorlds(const WorldDefinition& world, Crossing crossing, StepProfile::Clocks clocks);
 
   void tick() override;
   const std::vector<FrameTime>& frames() const override { return frames_; }

@@ -54,7 +54,7 @@ class Experiment {
     options.seed = o.workload.seed;
     options.network = {static_cast<Micros>(o.latency_ms * 1000),
                        static_cast<Micros>(o.jitter_ms * 1000), o.loss_pct / 100};
-    options.clock = &thread_cpu_ns;
+    options.clocks = cpu_clocks();
     options.follow_latency = o.follow_latency;
     return options;
   }
@@ -62,9 +62,9 @@ class Experiment {
   std::unique_ptr<MeasuredRun> start(const std::string& mode) const {
     if (mode == "cut")
       return std::make_unique<BareWorlds>(r_.world, BareWorlds::Crossing::handed_over,
-                                          &thread_cpu_ns);
+                                          cpu_clocks());
     if (mode == "ideal")
-      return std::make_unique<BareWorlds>(r_.world, BareWorlds::Crossing::stays, &thread_cpu_ns);
+      return std::make_unique<BareWorlds>(r_.world, BareWorlds::Crossing::stays, cpu_clocks());
     return std::make_unique<RegionServers>(mode == "single" ? in_one_region(r_.world) : r_.world,
                                            server_options());
   }

@@ -23,7 +23,7 @@ HandoffJumps HandoffJumps::of(std::vector<double> jumps_mm) {
 
 Judgement judge(const WorldDefinition& world, RegionServers::Options options,
                 const BucketClock& clock, const std::function<void(Tick)>& progress) {
-  options.clock = nullptr;
+  options.clocks = {};
   options.judged = true;
   RegionServers servers(world, options);
   const InteractionOracle& interactions = servers.simulation().interactions();

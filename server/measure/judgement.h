@@ -30,7 +30,7 @@ struct Judgement {
 };
 
 /// Oracles take longer than servers and would empty their caches, so the run that they look at is
-/// not the one whose frames are measured. `options.clock` and `options.judged` do not matter.
+/// not the one whose frames are measured. `options.clocks` and `options.judged` do not matter.
 Judgement judge(const WorldDefinition& world, RegionServers::Options options,
                 const BucketClock& clock, const std::function<void(Tick)>& progress);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <ctime>
 #include <numeric>
@@ -18,6 +19,17 @@ inline std::int64_t thread_cpu_ns() {
   timespec t{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
   return std::int64_t{t.tv_sec} * 1'000'000'000 + t.tv_nsec;
+}
+
+/// Time as it passes (ns): quick to ask.
+inline std::int64_t steady_ns() {
+  return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Frames in CPU time. While something else has the core the part in work looks longer, at the cost
+/// of the frame's other parts.
+inline StepProfile::Clocks cpu_clocks() {
+  return {&thread_cpu_ns, &steady_ns};
 }
 
 /// What one server spent on one tick (unit: ms), by StepProfile::Part.

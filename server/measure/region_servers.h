@@ -16,9 +16,9 @@ class RegionServers final : public MeasuredRun {
   struct Options {
     std::uint64_t seed = 1;
     NetworkTiming network{2000, 1000};
-    StepProfile::Clock clock = nullptr;  ///< Null: frames take no time.
-    bool judged = false;                 ///< By the oracles, which costs more than the run.
-    bool follow_latency = false;         ///< Else the world's tolerance stands.
+    StepProfile::Clocks clocks;   ///< None: frames take no time.
+    bool judged = false;          ///< By the oracles, which costs more than the run.
+    bool follow_latency = false;  ///< Else the world's tolerance stands.
   };
   RegionServers(WorldDefinition world, const Options& options);
 

@@ -88,8 +88,9 @@ void WireCensus::note_auras(Link& link, const Frame& frame) {
     for (const wire::AuraMotion* aura : *message->moved())
       know(link.slots[aura->slot()], moves(aura->flags()));
   const std::size_t resting = size_of(message->resting());
-  const bool says_something = size_of(message->auras()) + size_of(message->moved()) + resting + size_of(message->removed()) +
-                                  size_of(message->handed_over()) + size_of(message->pulls()) >
+  const bool says_something = size_of(message->auras()) + size_of(message->moved()) + resting +
+                                  size_of(message->removed()) + size_of(message->handed_over()) +
+                                  size_of(message->pulls()) >
                               0;
   const std::uint64_t resting_bytes = resting * sizeof(wire::Resting);
   counts_.resting_bytes += resting_bytes;

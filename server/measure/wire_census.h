@@ -49,7 +49,7 @@ class WireCensus {
 
  private:
   struct Link {
-    std::unordered_map<std::uint64_t, bool> moves;  ///< By body, what the receiver knows.
+    std::unordered_map<std::uint64_t, bool> moves;           ///< By body, what the receiver knows.
     std::unordered_map<std::uint16_t, std::uint64_t> slots;  ///< Bodies by what names them.
     std::uint64_t moving = 0;
   };

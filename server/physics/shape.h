@@ -61,6 +61,7 @@ float bounding_radius(const Shape& shape);
 struct Spine {
   Eigen::Vector3f half{0, 0, 0};  ///< From the middle to either end, in the shape's frame (m).
   float girth = 0;                ///< m
+  float lowest = 0;  ///< The shape's origin can be no lower over a level plane (m), or a bit more.
 };
 Spine spine(const Shape& shape);
 

@@ -22,6 +22,7 @@ HostedBody HostedBodies::glimpse(const Hosting& hosting, const BodyGlance& seen)
   body.bounding_radius_m = hosting.radius(prototype);
   body.half_spine = (state.orientation * spine.half).cast<double>();
   body.girth_m = double{spine.girth};
+  body.lowest_m = double{spine.lowest};
   body.velocity_mps = state.linear_velocity.cast<double>();
   body.asleep = state.activation == Activation::asleep;
   if (!body.asleep)
@@ -37,12 +38,13 @@ void HostedBodies::show(Hosting& hosting, const BodyGlance& seen, const Look& lo
   HostedBody& body = hosted_.emplace_back(glimpse(hosting, seen));
   hosting.look(body, now, seen.slow_for_s());
   body.pressed = look.watch.is_pressed(body.id, now);
-  if (body.still_ticks == 0) nearby_geometry_.look(body, look.reach_s);
+  nearby_geometry_.look(body, look.reach_s);
 }
 
 void HostedBodies::lay_down(Hosting& hosting, BodyId id) {
   HostedBody body = glimpse(hosting, hosting.physics().glance(id));
   hosting.lie_down(body);
+  nearby_geometry_.look(body, 0);  // It is not going anywhere.
   sleepers_.put(body);
 }
 

@@ -25,8 +25,9 @@ void NearbyGeometry::look(HostedBody& body, double reach_s) const {
   const double lowest = body.position.y - body.half_extents.y();
   for (const double y : planes_y_)
     if (low <= y) body.ground_gap_m = std::min(body.ground_gap_m, std::max(0.0, lowest - y));
-  body.near_geometry = std::any_of(boxes_.begin(), boxes_.end(),
-                                   [&](const AuraBox& box) { return box.overlaps(way); });
+  body.near_geometry =
+      body.still_ticks == 0 && std::any_of(boxes_.begin(), boxes_.end(),
+                                           [&](const AuraBox& box) { return box.overlaps(way); });
 }
 
 }  // namespace aureole

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "server/aura/migration_policy.h"
 #include "server/aura/box_rows.h"
+#include "server/aura/migration_policy.h"
 #include "server/physics/body.h"
 
 namespace aureole {
@@ -15,7 +15,8 @@ class NearbyGeometry {
  public:
   explicit NearbyGeometry(std::span<const StaticDefinition> statics);
 
-  /// Sets ground_gap_m and near_geometry by what the body can reach within `reach_s`.
+  /// Sets ground_gap_m, and near_geometry of what moves, by what the body can reach within
+  /// `reach_s`.
   void look(HostedBody& body, double reach_s) const;
 
  private:

@@ -40,6 +40,10 @@ RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation 
   AUREOLE_CHECK(self.value < world.regions.size(), "a core is one of its world's regions");
   for (std::size_t i = 0; i < world.regions.size(); ++i)
     if (i != self.value) peers_[PeerId::region(RegionId{static_cast<std::uint16_t>(i)})];
+  for (const Injector& injector : world.injectors) {
+    const Eigen::Vector3d &low = injector.volume.min, &high = injector.volume.max;
+    may_inject_here_.push_back(map_.area(self).overlaps(low.x(), low.z(), high.x(), high.z()));
+  }
 }
 
 void RegionCore::peer_up(PeerId id, Incarnation incarnation) {

@@ -174,6 +174,7 @@ class RegionCore {
   void spawn(Tick now);
   void apply_blasts(Tick now);
   void remove_strays(Tick now);
+  bool decides_at(Tick now) const;
   void migrate(Tick now);
   std::vector<BodyId> stirred_bodies(Tick now) const;
   std::span<const HostedBody> look_at_hosted(Tick now, bool whole);
@@ -232,6 +233,7 @@ class RegionCore {
   PlayerOutput player_output_;
   std::vector<Outgoing> outbox_;
   std::vector<std::uint64_t> injected_;  ///< For each injector, how many it had made.
+  std::vector<bool> may_inject_here_;    ///< The same: whether any of its volume is in our region.
   Tick last_tick_;
   Tick last_decision_{-decision_interval_ticks};
   std::uint64_t changes_at_decision_ = 0;

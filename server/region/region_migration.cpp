@@ -94,7 +94,8 @@ void RegionCore::foresee_deeds(std::vector<HostedBody>& hosted, Tick now) {
     const auto body = index_of(hosted, avatar->body());
     if (!body) continue;
     const double reach_s = reach_time_s(tolerances_.limits());
-    const AuraCapsule reach = struck_aura(resting_aura(hosted[*body]), speed * reach_s, reach_s);
+    const AuraCapsule reach =
+        struck_aura(hosted[*body], resting_aura(hosted[*body]), speed * reach_s, reach_s);
     // What rests beyond the boundary is not told of before something comes near to it.
     const AuraBox room = reach.box();
     const bool leaves_home =
@@ -187,7 +188,14 @@ MigrationDecision RegionCore::decide(Tick now) {
   return decision;
 }
 
+/// All servers decide at the same ticks; who was held up makes up for one that was left out.
+bool RegionCore::decides_at(Tick now) const {
+  const std::int64_t interval = policy_->interval_ticks();
+  return !started_ || now.value / interval != last_tick_.value / interval;
+}
+
 void RegionCore::migrate(Tick now) {
+  if (!decides_at(now)) return;
   // Most of a world sleeps most of the time; what was decided then still holds.
   if (nothing_stirs(now)) return;
   remote_auras_.clear();

@@ -85,8 +85,9 @@ void RegionCore::take_in(Tick now) {
   take_in_effects(now);
   take_in_commands(now);
   enter(StepProfile::Part::aura);
-  handover_requests_ = aura_exchange_.take_in();
   stand_ins_.take(aura_exchange_.take_resting_news(), now);
+  if (!decides_at(now)) return;
+  handover_requests_ = aura_exchange_.take_in();
   stand_ins_.tidy(aura_exchange_.remote(), now);
 }
 
@@ -206,7 +207,7 @@ void RegionCore::spawn(Tick now) {
         std::min(injected_count(injector, now), injected_[i] + injected_per_step_max);
     // A world that starts again from older states of others may be behind ours.
     if (made <= injected_[i]) continue;
-    for (std::uint64_t n = injected_[i]; n < made; ++n) {
+    for (std::uint64_t n = injected_[i]; n < made && may_inject_here_[i]; ++n) {
       const InjectedBody body = injected_body(injector, n);
       if (map_.region_at(body.state.position.x, body.state.position.z) != self_) continue;
       if (made_before_.contains(BodyId::injected(static_cast<std::uint16_t>(i), n))) continue;

@@ -246,4 +246,28 @@ MUTATIONS = [
         "      {}\n",
         ((AURA, "it is not calm yet where somebody has just fallen asleep"),),
     ),
+    Mutation(
+        "left-out-decision",
+        "a decision whose tick was left out is not made up for",
+        "server/region/region_migration.cpp",
+        "  return !started_ || now.value / interval != last_tick_.value / interval;",
+        "  return !started_ || now.value % interval == 0;",
+        ((REGION, "a decision whose tick was left out is made at the next one"),),
+    ),
+    Mutation(
+        "struck-on-its-way",
+        "what strikes something reaches as if it went on along its way until then only",
+        "server/aura/adaptive/outlook.cpp",
+        "  const double alone_s = std::clamp(forecast_.left_alone_s(number), 0.0, reach_s_);\n",
+        "  const double alone_s = reach_s_;\n",
+        ((AURA, "a ball that strikes something may go anywhere from there, as fast as it came"),),
+    ),
+    Mutation(
+        "falls-over",
+        "what stands on level ground does not fall over",
+        "server/aura/adaptive/aura_size.cpp",
+        "  if (drop_m >= falls_m) return falls_m;\n",
+        "  if (drop_m >= 0) return 0;\n",
+        ((AURA, "what lies on level ground sinks no further*"),),
+    ),
 ]

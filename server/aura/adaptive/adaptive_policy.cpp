@@ -48,6 +48,7 @@ class AdaptivePolicy final : public MigrationPolicy {
         outlook_(reach_time_s(tolerances)),
         contests_(tolerances) {}
 
+  std::int64_t interval_ticks() const override { return decision_ticks; }
   double depth_m() const override { return std::max(strip_m, 2 * longest_aura_m_); }
 
   void set_tolerances(const AuraTolerances& tolerances) override {

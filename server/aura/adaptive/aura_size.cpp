@@ -20,6 +20,16 @@ double fall_m(double duration_s) {
   return 0.5 * gravity_mps2 * duration_s * duration_s;
 }
 
+/// How far gravity may carry the body, whichever way it is turned. On level ground only what can
+/// still sink, by falling over, gets any faster: what has come down by h is as fast as sqrt(2 g h).
+double sinks_m(const HostedBody& body, double duration_s) {
+  const double falls_m = fall_m(duration_s);
+  const double drop_m = std::max(0.0, body.ground_gap_m + body.half_extents.y() - body.lowest_m);
+  if (drop_m >= falls_m) return falls_m;
+  const double down_s = std::sqrt(2 * drop_m / gravity_mps2);
+  return drop_m + gravity_mps2 * down_s * (duration_s - down_s);
+}
+
 Eigen::Vector3d level(const Eigen::Vector3d& v) {
   return {v.x(), 0, v.z()};
 }
@@ -81,20 +91,25 @@ AuraCapsule resting_aura(const HostedBody& body) {
   return aura;
 }
 
-AuraCapsule struck_aura(const AuraCapsule& before, double way_m, double reach_s) {
+AuraCapsule struck_aura(const HostedBody& body, const AuraCapsule& before, double way_m,
+                        double reach_s) {
   AuraCapsule aura = before;
-  aura.girth_m += faster * way_m + fall_m(reach_s);
+  aura.girth_m += faster * way_m + sinks_m(body, reach_s);
   return aura;
+}
+
+AuraCapsule smaller(const AuraCapsule& a, const AuraCapsule& b) {
+  // Seen from above: most things stand on the ground.
+  const auto size = [](const AuraCapsule& room) {
+    return room.girth_m * (room.girth_m + room.half_spine.norm());
+  };
+  return size(a) < size(b) ? a : b;
 }
 
 AuraCapsule flight_aura(const HostedBody& body, double reach_s) {
   const AuraCapsule anywhere =
-      struck_aura(resting_aura(body), body.motion_speed_mps * reach_s, reach_s);
-  const AuraCapsule along = swept(body, reach_s);
-  const auto size = [](const AuraCapsule& room) {
-    return room.girth_m * (room.girth_m + room.half_spine.norm());
-  };
-  return size(along) < size(anywhere) ? along : anywhere;
+      struck_aura(body, resting_aura(body), body.motion_speed_mps * reach_s, reach_s);
+  return smaller(swept(body, reach_s), anywhere);
 }
 
 AuraBox way_of(const HostedBody& body, double duration_s) {

@@ -13,12 +13,41 @@ inline constexpr double gravity_mps2 = 9.81;
 /// other even before they stir.
 inline constexpr double resting_margin_m = 0.08;
 
-/// How long from the moment that an aura is measured until the two bodies that it brings together
-/// are stepped by one server (s), in flights of eq. (1)'s ceil((2 T_F + T_L) / T_P) steps: one
-/// until the other server hears of it, one until the arbiter hears of the other's, one until the
-/// other one hears what it is asked for, one until that has come.
+/// Servers decide at every second tick, all of them at the same ones: what is said in one is heard
+/// until the next, and deciding costs half.
+inline constexpr std::int64_t decision_ticks = 2;
+
+/// From one decision until what it says is heard in another one: eq. (1)'s
+/// ceil((2 T_F + T_L) / T_P) steps, rounded up to the next decision.
+inline std::int64_t hearing_ticks(const AuraTolerances& tolerances) {
+  const auto flight = static_cast<std::int64_t>(steps_in_flight(tolerances));
+  return (flight + decision_ticks - 1) / decision_ticks * decision_ticks;
+}
+
+/// To spare: a request may be refused once, where the asker could not know what has come to the
+/// other one meanwhile. With none more simulated seeds break rules.
+inline constexpr std::int64_t spare_ticks = 1;
+
+/// How long from the moment that two auras overlap until the two bodies are stepped by one server:
+/// at most until the next decision; until the arbiter hears of it, until the other server hears
+/// what it is asked for; and one flight until that has come. That the other server has heard of the
+/// arbiter's body by then, and tells it of its own, visitor_clearance_m() sees to.
+inline std::int64_t reach_ticks(const AuraTolerances& tolerances) {
+  return decision_ticks - 1 + 2 * hearing_ticks(tolerances) +
+         static_cast<std::int64_t>(steps_in_flight(tolerances)) + spare_ticks;
+}
+
+/// The same (s).
 inline double reach_time_s(const AuraTolerances& tolerances) {
-  return 4 * steps_in_flight(tolerances) * (tick_us / 1e6);
+  return static_cast<double>(reach_ticks(tolerances)) * (tick_us / 1e6);
+}
+
+/// Hosts of auras are told of what lies so near to them (m), and as far as their bodies can get in
+/// the reach time (auras grow in one step when something comes in the way of a body): so far a body
+/// gets while the one server hears of an aura and tells of its own.
+inline double visitor_clearance_m(const AuraTolerances& tolerances) {
+  return tolerances.speed_mps *
+         static_cast<double>(decision_ticks - 1 + hearing_ticks(tolerances)) * (tick_us / 1e6);
 }
 
 /// The body as it stands.
@@ -27,12 +56,16 @@ AuraCapsule room_of(const HostedBody& body);
 /// The same and a little more: all that one at rest can touch.
 AuraCapsule resting_aura(const HostedBody& body);
 
+/// Of two rooms that both hold all that a body can touch.
+AuraCapsule smaller(const AuraCapsule& a, const AuraCapsule& b);
+
 /// Everything that the body can touch within `reach_s` if nothing strikes it but the ground.
 AuraCapsule flight_aura(const HostedBody& body, double reach_s);
 
 /// The same if it may be struck, or strike, on its way, and from there get `way_m` far in whatever
 /// direction; `before`: what it can touch otherwise.
-AuraCapsule struck_aura(const AuraCapsule& before, double way_m, double reach_s);
+AuraCapsule struck_aura(const HostedBody& body, const AuraCapsule& before, double way_m,
+                        double reach_s);
 
 /// A box around its way of the next `duration_s` if nothing strikes it: swept along its velocity,
 /// as far as it may fall, and aside as far as the ground may turn it.

@@ -27,8 +27,9 @@ double gap_of_spheres(const HostedBody& a, const HostedBody& b) {
 }  // namespace
 
 void BlowForecast::disturb(std::uint32_t number, double speed_mps, double after_s) {
-  double& way_m = forecast_->of(number).way_m;
-  way_m = std::max(way_m, speed_mps * std::max(0.0, reach_s_ - after_s));
+  Forecast::Fate& fate = forecast_->of(number);
+  fate.way_m = std::max(fate.way_m, speed_mps * std::max(0.0, reach_s_ - after_s));
+  fate.left_alone_s = std::min(fate.left_alone_s, after_s);
 }
 
 void BlowForecast::strike(std::uint32_t number, const Blow& blow, double restitution) {
@@ -36,6 +37,7 @@ void BlowForecast::strike(std::uint32_t number, const Blow& blow, double restitu
   const double speed_mps = blow.speed_mps(struck.mass_kg, restitution);
   if (speed_mps < blow_speed_min_mps) return;
   Forecast::Fate& fate = forecast_->of(number);
+  fate.left_alone_s = std::min(fate.left_alone_s, blow.after_s);
   const double way_m = speed_mps * std::max(0.0, reach_s_ - blow.after_s);
   if (speed_mps <= fate.expected_mps && way_m <= fate.way_m + further_m) return;
   Blow& hardest = fate.blow;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -42,11 +43,17 @@ class Forecast {
   double way(std::uint32_t number) const {
     return number < fates_.size() ? fates_[number].way_m : 0.0;
   }
+  /// Until then nothing strikes it, nor does it strike anything (s).
+  double left_alone_s(std::uint32_t number) const {
+    return number < fates_.size() ? fates_[number].left_alone_s
+                                  : std::numeric_limits<double>::infinity();
+  }
 
  private:
   friend class BlowForecast;
   struct Fate {
     double expected_mps = 0, way_m = 0;
+    double left_alone_s = std::numeric_limits<double>::infinity();
     Blow blow;           ///< The hardest that it may take.
     bool waits = false;  ///< To have it passed on.
   };

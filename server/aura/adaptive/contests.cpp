@@ -16,11 +16,6 @@ namespace {
 constexpr Horizon up_near{8.0, 1.0, true};
 constexpr Horizon up_near_again{32.0, 1.0, true};
 
-/// Hosts of auras are told of what lies so near to them (m), and as far as their bodies can get in
-/// the reach time: auras grow in one step when something comes in the way of a body, and the
-/// arbiter must have heard of both by then.
-constexpr double visitor_clearance_m = 1.0;
-
 /// Ways of a second change little meanwhile.
 constexpr std::int64_t warning_interval_ticks = 4;
 
@@ -55,7 +50,7 @@ void Contests::find(const MigrationSituation& s, Outlook& outlook, Clusters& clu
   std::vector<std::uint32_t> found;
   for (const RemoteAura& aura : s.remote) {
     AuraBox wide = aura.room.box();
-    wide.half.array() += visitor_clearance_m + aura.speed_mps * reach_s_;
+    wide.half.array() += visitor_clearance_m_ + aura.speed_mps * reach_s_;
     found.clear();
     outlook.find(wide, found);
     make_room();

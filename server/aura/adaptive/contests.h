@@ -29,7 +29,8 @@ class Contests {
 
   void set_tolerances(const AuraTolerances& tolerances) {
     reach_s_ = reach_time_s(tolerances);
-    round_trip_ticks_ = 2 * steps_in_flight(tolerances);
+    visitor_clearance_m_ = visitor_clearance_m(tolerances);
+    round_trip_ticks_ = 2 * hearing_ticks(tolerances);
     hold_ticks_ = round_trip_ticks_ + 2;
   }
 
@@ -84,7 +85,7 @@ class Contests {
   bool meets_a_third_soon(const Contest& contest, RegionId other) const;
   void note_settled(Clusters::Number cluster);
 
-  double reach_s_ = 0;
+  double reach_s_ = 0, visitor_clearance_m_ = 0;
   std::int64_t round_trip_ticks_ = 0;  ///< Until a server hears what is made of its word.
   std::int64_t hold_ticks_ = 0;        ///< How long a verdict is kept.
   const MigrationSituation* situation_ = nullptr;

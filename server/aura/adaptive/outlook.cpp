@@ -21,8 +21,22 @@ double sudden_mps(const HostedBody& body) {
 }  // namespace
 
 /// What it can touch if it is left alone.
-AuraCapsule Outlook::own_aura(const HostedBody& body) const {
-  return lies_still(body) ? resting_aura(body) : flight_aura(body, reach_s_);
+AuraCapsule Outlook::own_aura(const HostedBody& body, double duration_s) const {
+  return lies_still(body) ? resting_aura(body) : flight_aura(body, duration_s);
+}
+
+/// What it can touch if it strikes something or is struck. From each blow on it may go anywhere, as
+/// fast as that one makes it, while nothing else turns it off its way; or, from the first one on,
+/// anywhere as fast as the hardest one makes it.
+AuraCapsule Outlook::struck(std::uint32_t number) const {
+  const HostedBody& body = stage_.body(number);
+  const AuraCapsule along =
+      struck_aura(body, own_aura(body, reach_s_), forecast_.way(number), reach_s_);
+  const double alone_s = std::clamp(forecast_.left_alone_s(number), 0.0, reach_s_);
+  const double fastest_mps = std::max(forecast_.expected(number), sudden_mps(body));
+  const AuraCapsule anywhere =
+      struck_aura(body, own_aura(body, alone_s), fastest_mps * (reach_s_ - alone_s), reach_s_);
+  return smaller(along, anywhere);
 }
 
 void Outlook::look(const MigrationSituation& s) {
@@ -32,10 +46,10 @@ void Outlook::look(const MigrationSituation& s) {
     // What has just stopped may start again: it counts as moving, if only a little.
     moving_mps_.push_back(lies_still(body) ? -1.0
                                            : std::max(body.motion_speed_mps, still_speed_mps));
-    AuraCapsule aura = own_aura(body);
+    AuraCapsule aura = own_aura(body, reach_s_);
     // A deed starts at once, and in any direction; so does what geometry turns.
     if (const double sudden = sudden_mps(body); sudden > 0)
-      aura = struck_aura(aura, sudden * reach_s_, reach_s_);
+      aura = struck_aura(body, aura, sudden * reach_s_, reach_s_);
     stage_.add(body, aura);
   }
   stage_.sort_boxes();
@@ -45,7 +59,7 @@ void Outlook::look(const MigrationSituation& s) {
   for (std::uint32_t i = 0; i < forecast_.size(); ++i) {
     const HostedBody& body = stage_.body(i);
     if (forecast_.way(i) <= sudden_mps(body) * reach_s_) continue;
-    stage_.set_aura(i, struck_aura(own_aura(body), forecast_.way(i), reach_s_));
+    stage_.set_aura(i, struck(i));
     grown = true;
   }
   if (grown) stage_.sort_boxes();

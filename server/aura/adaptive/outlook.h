@@ -58,7 +58,8 @@ class Outlook {
   }
 
  private:
-  AuraCapsule own_aura(const HostedBody& body) const;
+  AuraCapsule own_aura(const HostedBody& body, double duration_s) const;
+  AuraCapsule struck(std::uint32_t number) const;
 
   double reach_s_;
   Stage stage_;

@@ -92,6 +92,13 @@ std::vector<Departure> OwnershipOracle::stepped(const SimulatedServer& from, Tic
       missing_.insert(id);
     }
   }
+  coming_.clear();
+  for (BodyId id : came)
+    if (const auto known = bodies_.find(id); known != bodies_.end())
+      coming_[id] = known->second.last_owner;
+  forced_from_.clear();
+  for (const auto& [id, owner] : coming_)
+    if (meets_settled(id, owner, from, tick)) forced_from_.insert(owner);
   for (BodyId id : came) gained(id, from, tick);
   conflicts_ += counts.version_conflicts - server.counts.version_conflicts;
   if (counts.version_conflicts != server.counts.version_conflicts)
@@ -131,7 +138,9 @@ void OwnershipOracle::gained(BodyId id, const SimulatedServer& server, Tick tick
         owner_died || server.is_recovering() ||
         (server.incarnation().value > 1 && tick - servers_[self.value].started < recovery_ticks);
     const std::uint64_t changes = recovery ? 0 : changes_.add({id, tick, record.last_owner, self});
-    if (changes > changes_per_s_max)
+    if (changes == changes_per_s_max + 1 && forced_from_.contains(record.last_owner))
+      ++forced_;
+    else if (changes > changes_per_s_max)
       violate("thrash", tick,
               fmt::format("{} changed its owner {} times within a second, now from r{} to r{}",
                           describe(id), changes, record.last_owner.value, self.value));
@@ -140,6 +149,25 @@ void OwnershipOracle::gained(BodyId id, const SimulatedServer& server, Tick tick
   record.owner = record.last_owner = self;
   record.last_incarnation = server.incarnation();
   missing_.erase(id);
+}
+
+/// Whether the server hosts anything near the body that has changed its owner as often as it may,
+/// and has not come along with it.
+bool OwnershipOracle::meets_settled(BodyId id, RegionId from, const SimulatedServer& server,
+                                    Tick tick) const {
+  const PhysicsWorld& physics = server.core().physics();
+  const WorldPosition at = physics.position(id);
+  const auto came_along = [&](BodyId other) {
+    const auto came = coming_.find(other);
+    return came != coming_.end() && came->second == from;
+  };
+  const auto ids = physics.ids();
+  return std::any_of(ids.begin(), ids.end(), [&](BodyId other) {
+    // Who comes in this step has not been counted yet.
+    const std::uint64_t may_have = changes_per_s_max - (coming_.contains(other) ? 1 : 0);
+    return changes_.recent(other, tick) >= may_have && !came_along(other) &&
+           distance(physics.position(other), at) <= meeting_m;
+  });
 }
 
 void OwnershipOracle::crashed(RegionId region, Tick tick) {
@@ -236,6 +264,7 @@ void OwnershipOracle::report(SeedResult& result) const {
   result.bodies_rolled_back = rolled_back_;
   result.migrations = migrations_;
   result.migrations_per_body_max_per_s = changes_.max();
+  result.forced_changes = forced_;
   result.version_conflicts = conflicts_;
   result.largest_cluster = largest_;
   result.violations.insert(result.violations.end(), violations_.begin(), violations_.end());

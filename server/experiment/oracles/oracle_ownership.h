@@ -43,7 +43,12 @@ class OwnershipOracle {
   /// Changes of owner at or after this tick.
   std::vector<OwnerChange> changes_since(Tick tick) const { return changes_.since(tick); }
 
-  static constexpr std::int64_t changes_per_s_max = 2;
+  static constexpr std::uint64_t changes_per_s_max = 2;
+  /// Where two clusters meet that have both changed their owners as often, one of them has to once
+  /// more: that they are together comes first. It is counted (`forced_changes`) and no broken rule,
+  /// if somebody of those who come together comes so near to such a one of others (m): twice as far
+  /// as auras reach.
+  static constexpr double meeting_m = 10;
   static constexpr std::int64_t missing_ticks_max = ticks_from_ms(5000);
   static constexpr std::int64_t rollback_ticks = ticks_from_ms(100) + 1;
   /// Changes of owner that a restarted region causes for so long are recovery.
@@ -68,6 +73,7 @@ class OwnershipOracle {
     std::uint64_t conflicts = 0;
   };
   void gained(BodyId id, const SimulatedServer& server, Tick tick);
+  bool meets_settled(BodyId id, RegionId from, const SimulatedServer& server, Tick tick) const;
   bool in_a_journal(BodyId id, std::span<const SimulatedServer> servers) const;
   void lose(BodyId id, Record& record, Tick tick, const std::string& how);
   void violate(const std::string& rule, Tick tick, std::string what);
@@ -76,10 +82,13 @@ class OwnershipOracle {
   std::vector<Server> servers_;
   std::map<BodyId, Record> bodies_;
   std::set<BodyId> missing_;
+  std::map<BodyId, RegionId> coming_;  ///< Whose those were that come in this step.
+  std::set<RegionId> forced_from_;     ///< Of these servers somebody meets such as have settled.
   std::vector<Violation> violations_;
   std::map<std::string, int> told_;
   OwnerChanges changes_;
   std::uint64_t duplicated_ = 0, lost_ = 0, rolled_back_ = 0, migrations_ = 0, conflicts_ = 0;
+  std::uint64_t forced_ = 0;
   std::uint64_t largest_ = 0;
 };
 

@@ -36,6 +36,13 @@ class OwnerChanges {
     max_ = std::max<std::uint64_t>(max_, own.size());
     return own.size();
   }
+  /// How often the body has changed its owner in the window that ends now.
+  std::uint64_t recent(BodyId id, Tick now) const {
+    const auto own = of_body_.find(id);
+    if (own == of_body_.end()) return 0;
+    return static_cast<std::uint64_t>(std::count_if(
+        own->second.begin(), own->second.end(), [&](Tick t) { return now - t < window_ticks; }));
+  }
   /// Most changes of one body in one window.
   std::uint64_t max() const { return max_; }
   /// Changes of all bodies at or after this tick, at most four windows ago.

@@ -13,7 +13,7 @@
 namespace aureole {
 
 struct ScenarioOptions {
-  /// column4, corner3, corner4, corner9, or a world file.
+  /// column2, column4, corner3, corner4, corner9, or a world file.
   std::string layout = "corner4";
   MigrationMode mode = MigrationMode::adaptive;
   std::uint64_t seed = 1;

@@ -46,12 +46,14 @@ std::vector<RegionDefinition> three_at_a_corner(double region_m) {
 }
 
 bool is_layout(std::string_view name) {
-  return name == "column4" || name == "corner3" || name == "corner4" || name == "corner9";
+  return name == "column2" || name == "column4" || name == "corner3" || name == "corner4" ||
+         name == "corner9";
 }
 
 WorldDefinition layout_world(std::string_view name) {
   WorldDefinition world;
   world.name = std::string(name);
+  if (name == "column2") world.regions = grid_of_regions(2, 1, layout_region_m);
   if (name == "column4") world.regions = grid_of_regions(4, 1, layout_region_m);
   if (name == "corner3") world.regions = three_at_a_corner(layout_region_m);
   if (name == "corner4") world.regions = grid_of_regions(2, 2, layout_region_m);

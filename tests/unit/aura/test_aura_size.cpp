@@ -27,8 +27,47 @@ bool holds(const AuraCapsule& room, const Eigen::Vector3d& centre, double radius
 
 }  // namespace
 
-TEST_CASE("the reach time is four flights: the arbiter hears of it, decides, asks and gets") {
+TEST_CASE("the reach time: until the next decision, then the arbiter hears of it, asks and gets") {
+  CHECK(reach_ticks(AuraTolerances{}) == 1 + 2 + 2 + 2 + spare_ticks);
   CHECK(reach_time_s(AuraTolerances{}) == Approx(0.128));
+  // What takes three steps is heard at the next decision after them, or comes with the third.
+  const AuraTolerances slower{32, 10, 15};
+  REQUIRE(steps_in_flight(slower) == 3);
+  CHECK(reach_ticks(slower) == 1 + 4 + 4 + 3 + spare_ticks);
+}
+
+TEST_CASE("whoever comes near is told of before the fastest body has come") {
+  // One tick until the next decision, two until it is heard there.
+  CHECK(visitor_clearance_m(AuraTolerances{}) == Approx(32 * 3 * 0.016));
+}
+
+TEST_CASE("what lies on level ground sinks no further, what may fall over reaches as it falls") {
+  HostedBody plank;
+  plank.bounding_radius_m = 1;
+  plank.girth_m = 0.2;
+  plank.lowest_m = 0.15;
+  plank.ground_gap_m = 0;
+  const auto reach = [&](double half_height_m, double gap_m) {
+    plank.half_extents = {0.5, half_height_m, 0.5};
+    plank.ground_gap_m = gap_m;
+    const AuraCapsule lies = resting_aura(plank);
+    return struck_aura(plank, lies, 0, reach_s).girth_m - lies.girth_m;
+  };
+  const double falls_m = 0.5 * gravity_mps2 * reach_s * reach_s;
+  CHECK(reach(0.15, 0) == 0);
+  CHECK(reach(0.5, 0) == Approx(falls_m));
+  CHECK(reach(0.15, std::numeric_limits<double>::infinity()) == Approx(falls_m));
+  // It comes down by a little, and goes on as fast as it has become, in whatever direction.
+  for (const double drop : {0.001, 0.01, 0.03, 0.06}) {
+    double speed = 0, way = 0;
+    for (double t = 0; t < reach_s; t += 1e-5) {
+      if (way < drop) speed += gravity_mps2 * 1e-5;
+      way += speed * 1e-5;
+    }
+    INFO(drop << " m");
+    CHECK(reach(0.15 + drop, 0) == Approx(way).epsilon(0.01));
+    CHECK(reach(0.15, drop) == Approx(way).epsilon(0.01));
+  }
 }
 
 TEST_CASE("a ball in flight stays in its room as far as it flies, falls, lands and rolls on") {
@@ -58,7 +97,7 @@ TEST_CASE("a fast ball in flight reaches along its way and hardly beside it") {
   const AuraCapsule room = flight_aura(high, reach_s);
   CHECK(room.box().half.x() < 0.6);
   CHECK(holds(room, {0, 10 - 2.5, 0}, 0.3));
-  CHECK(holds(struck_aura(room, 20 * reach_s, reach_s), {2.5, 10, 0}, 0.3));
+  CHECK(holds(struck_aura(high, room, 20 * reach_s, reach_s), {2.5, 10, 0}, 0.3));
 }
 
 TEST_CASE("a ball that drops onto the ground does not reach as far aside as it falls fast") {

@@ -57,6 +57,7 @@ TEST_CASE("a seed's result comes back from JSON as it went in, and totals add up
   result.scenario = "pour";
   result.bodies_lost = 3;
   result.migrations_per_body_max_per_s = 2;
+  result.forced_changes = 7;
   result.foreign_hosted_share_max = 0.25;
   result.handoff_jumps_mm = {0.5, 1.5};
   result.hash = 0x8000'0000'0000'0001u;

@@ -93,7 +93,7 @@ TEST_CASE("a body that is handed over in `cut` goes on as if nothing had happene
 
 TEST_CASE("only the time between a frame's clock readings counts") {
   const WorldDefinition world = crossing_world();
-  BareWorlds cut(world, BareWorlds::Crossing::handed_over, &clock_that_counts);
+  BareWorlds cut(world, BareWorlds::Crossing::handed_over, {&clock_that_counts, &steady_ns});
   cut.tick();
   // The clock goes on by a millisecond with each reading, and is read at both ends.
   for (const FrameTime& frame : cut.frames()) CHECK(total_ms(frame) == Approx(1));

@@ -247,7 +247,7 @@ TEST_CASE("a tolerance that follows covers a long latency, a fixed one does not"
 TEST_CASE("loss delays a run and loses nothing") {
   ExperimentOptions options = small("adaptive");
   options.with_references = false;
-  options.workload.rate_per_s = 400;  // So that enough is handed over.
+  options.workload.rate_per_s = 800;  // So that enough is handed over.
   const json calm = run(options);
   options.loss_pct = 5;
   const json lossy = run(options);

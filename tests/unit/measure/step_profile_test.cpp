@@ -16,6 +16,11 @@ std::int64_t told_clock() {
   return now_ns;
 }
 
+std::int64_t cpu_ns = 0;
+std::int64_t cpu_clock() {
+  return cpu_ns;
+}
+
 std::int64_t readings = 0;
 std::int64_t clock_that_counts() {
   return ++readings;
@@ -46,6 +51,24 @@ TEST_CASE("time goes to the part that was entered last, and nowhere after a stop
   CHECK(profile.spent_ns() == std::array<std::int64_t, 4>{});
 }
 
+TEST_CASE("parts share out the time of the whole, as the quicker clock tells them apart") {
+  StepProfile profile({&cpu_clock, &told_clock});
+  now_ns = 0;
+  cpu_ns = 1000;
+  profile.enter(StepProfile::Part::physics);
+  now_ns = 30;
+  profile.enter(StepProfile::Part::wire);
+  now_ns = 40;
+  cpu_ns = 1020;
+  profile.stop();
+  CHECK(profile.spent_ns() == std::array<std::int64_t, 4>{15, 0, 0, 5});
+  // One that no time passes in has nothing to share out.
+  profile.enter(StepProfile::Part::aura);
+  cpu_ns = 1021;
+  profile.stop();
+  CHECK(profile.spent_ns() == std::array<std::int64_t, 4>{15, 0, 0, 5});
+}
+
 TEST_CASE("servers read the clock a few times a step, and not at all when nobody asks") {
   WorkloadOptions workload;
   workload.seconds = 1;
@@ -53,7 +76,7 @@ TEST_CASE("servers read the clock a few times a step, and not at all when nobody
   REQUIRE(world);
   RegionServers::Options options;
   RegionServers unasked(*world, options);
-  options.clock = &clock_that_counts;
+  options.clocks = &clock_that_counts;
   readings = 0;
   RegionServers asked(*world, options);
   for (int tick = 1; tick <= 60; ++tick) {
