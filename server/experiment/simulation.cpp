@@ -39,7 +39,7 @@ Simulation::Simulation(Scenario scenario, const SimulationOptions& options)
       gateway_(scenario_.world, scenario_.world.regions.size()),
       players_(scenario_.world, scenario_.players, options.scenario.seed),
       map_(partition_of(scenario_.world)),
-      tolerances_(scenario_.world.regions.size(), scenario_.world.tolerances),
+      tolerances_(scenario_.world.regions.size(), scenario_.world.tolerances, scenario_.world.mode),
       view_(scenario_.world.regions.size()),
       ownership_(scenario_.world, scenario_.world.regions.size()),
       interactions_(scenario_.world, tolerances_, ownership_),

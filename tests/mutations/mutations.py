@@ -258,8 +258,8 @@ MUTATIONS = [
         "struck-on-its-way",
         "what strikes something reaches as if it went on along its way until then only",
         "server/aura/adaptive/outlook.cpp",
-        "  const double alone_s = std::clamp(forecast_.left_alone_s(number), 0.0, reach_s_);\n",
-        "  const double alone_s = reach_s_;\n",
+        "      sudden > 0 ? 0.0 : std::clamp(forecast_.left_alone_s(number), 0.0, reach_s_);\n",
+        "      reach_s_;\n",
         ((AURA, "a ball that strikes something may go anywhere from there, as fast as it came"),),
     ),
     Mutation(

@@ -24,8 +24,8 @@ inline std::int64_t hearing_ticks(const AuraTolerances& tolerances) {
   return (flight + decision_ticks - 1) / decision_ticks * decision_ticks;
 }
 
-/// To spare: a request may be refused once, where the asker could not know what has come to the
-/// other one meanwhile. With none more simulated seeds break rules.
+/// To spare. A request that is refused once, since the asker could not know what has come to the
+/// other one meanwhile, takes one more still; with none more simulated seeds break rules.
 inline constexpr std::int64_t spare_ticks = 1;
 
 /// How long from the moment that two auras overlap until the two bodies are stepped by one server:

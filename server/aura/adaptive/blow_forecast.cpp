@@ -38,6 +38,7 @@ void BlowForecast::strike(std::uint32_t number, const Blow& blow, double restitu
   if (speed_mps < blow_speed_min_mps) return;
   Forecast::Fate& fate = forecast_->of(number);
   fate.left_alone_s = std::min(fate.left_alone_s, blow.after_s);
+  fate.struck_mps = std::max(fate.struck_mps, speed_mps);
   const double way_m = speed_mps * std::max(0.0, reach_s_ - blow.after_s);
   if (speed_mps <= fate.expected_mps && way_m <= fate.way_m + further_m) return;
   Blow& hardest = fate.blow;

@@ -43,6 +43,10 @@ class Forecast {
   double way(std::uint32_t number) const {
     return number < fates_.size() ? fates_[number].way_m : 0.0;
   }
+  /// The fastest that a blow may make it, apart from its own motion (m/s).
+  double struck(std::uint32_t number) const {
+    return number < fates_.size() ? fates_[number].struck_mps : 0.0;
+  }
   /// Until then nothing strikes it, nor does it strike anything (s).
   double left_alone_s(std::uint32_t number) const {
     return number < fates_.size() ? fates_[number].left_alone_s
@@ -53,6 +57,7 @@ class Forecast {
   friend class BlowForecast;
   struct Fate {
     double expected_mps = 0, way_m = 0;
+    double struck_mps = 0;
     double left_alone_s = std::numeric_limits<double>::infinity();
     Blow blow;           ///< The hardest that it may take.
     bool waits = false;  ///< To have it passed on.

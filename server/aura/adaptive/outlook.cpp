@@ -25,15 +25,18 @@ AuraCapsule Outlook::own_aura(const HostedBody& body, double duration_s) const {
   return lies_still(body) ? resting_aura(body) : flight_aura(body, duration_s);
 }
 
-/// What it can touch if it strikes something or is struck. From each blow on it may go anywhere, as
-/// fast as that one makes it, while nothing else turns it off its way; or, from the first one on,
-/// anywhere as fast as the hardest one makes it.
+/// What it can touch if it strikes something or is struck. It goes on along its way, and from each
+/// blow on aside as fast as that one makes it; or, from the first one on, anywhere, as fast as it
+/// was and the hardest one makes it.
 AuraCapsule Outlook::struck(std::uint32_t number) const {
   const HostedBody& body = stage_.body(number);
   const AuraCapsule along =
       struck_aura(body, own_aura(body, reach_s_), forecast_.way(number), reach_s_);
-  const double alone_s = std::clamp(forecast_.left_alone_s(number), 0.0, reach_s_);
-  const double fastest_mps = std::max(forecast_.expected(number), sudden_mps(body));
+  const double sudden = sudden_mps(body);
+  const double alone_s =
+      sudden > 0 ? 0.0 : std::clamp(forecast_.left_alone_s(number), 0.0, reach_s_);
+  const double own_mps = number < moving_mps_.size() ? std::max(moving_mps_[number], 0.0) : 0.0;
+  const double fastest_mps = std::max(own_mps, sudden) + forecast_.struck(number);
   const AuraCapsule anywhere =
       struck_aura(body, own_aura(body, alone_s), fastest_mps * (reach_s_ - alone_s), reach_s_);
   return smaller(along, anywhere);

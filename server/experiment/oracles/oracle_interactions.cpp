@@ -154,7 +154,7 @@ bool InteractionOracle::is_excused(Tick tick, const SeenBody& a, const SeenBody&
 
 bool InteractionOracle::is_newborn(BodyId id, Tick tick) const {
   const auto born = ownership_.born(id);
-  return comes_unannounced(id) && born && tick - *born <= tolerances_.flight_ticks();
+  return comes_unannounced(id) && born && tick - *born <= tolerances_.notice_ticks();
 }
 
 void InteractionOracle::stand_in_struck(RegionId region, const StandInWatch::Struck& struck) {

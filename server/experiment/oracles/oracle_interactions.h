@@ -25,9 +25,9 @@ namespace aureole {
 ///    by centimetres. Only what grows by more than the slop after the cut counts.
 ///  - Passing between two ticks where Bullet, given both bodies, would not have seen them touch
 ///    either (fast small bodies tunnel on one server too): each case is tried out.
-///  - An overlap that begins, or a stand-in that is struck, within T_T of the birth of one of the
-///    two, by an injector or as a player's avatar: nobody can have heard of it. Counted apart, as
-///    `missed_at_birth`.
+///  - An overlap that begins, or a stand-in that is struck, so soon after the birth of one of the
+///    two (T_T, in mode adaptive its reach time), by an injector or as a player's avatar, that
+///    nobody can have heard of it. Counted apart, as `missed_at_birth`.
 class InteractionOracle {
  public:
   InteractionOracle(const WorldDefinition& world, const ToleranceRecord& tolerances,

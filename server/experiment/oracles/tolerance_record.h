@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "server/aura/adaptive/aura_size.h"
 #include "server/aura/aura_radius.h"
 #include "server/base/ids.h"
 #include "server/base/tick.h"
@@ -21,16 +22,25 @@ class ToleranceRecord {
  public:
   static constexpr Tick long_ago{-1'000'000};
 
-  ToleranceRecord(std::size_t regions, const AuraTolerances& tolerances)
+  ToleranceRecord(std::size_t regions, const AuraTolerances& tolerances,
+                  MigrationMode mode = MigrationMode::adaptive)
       : regions_(regions),
+        mode_(mode),
         flight_ticks_(flight_ticks_of(tolerances)),
+        notice_ticks_(notice_ticks_of(tolerances)),
         servers_(regions, long_ago),
         links_(regions * regions, long_ago) {}
 
   /// T_T of the tolerances in force, in ticks.
   std::int64_t flight_ticks() const { return flight_ticks_; }
+  /// For how long a body must have been there so that nothing of it is missed: T_T, or the longer
+  /// reach time of the adaptive mode.
+  std::int64_t notice_ticks() const { return notice_ticks_; }
   /// Servers whose tolerances follow the latency have so long ones now, the longest counts.
-  void follow(const AuraTolerances& tolerances) { flight_ticks_ = flight_ticks_of(tolerances); }
+  void follow(const AuraTolerances& tolerances) {
+    flight_ticks_ = flight_ticks_of(tolerances);
+    notice_ticks_ = notice_ticks_of(tolerances);
+  }
 
   void server_outside(RegionId region, Tick at) {
     Tick& last = servers_[region.value];
@@ -66,9 +76,14 @@ class ToleranceRecord {
   static std::int64_t flight_ticks_of(const AuraTolerances& t) {
     return static_cast<std::int64_t>(3 * steps_in_flight(t)) - 1;
   }
+  std::int64_t notice_ticks_of(const AuraTolerances& t) const {
+    return mode_ == MigrationMode::adaptive ? reach_ticks(t) : flight_ticks_of(t);
+  }
   std::size_t place(RegionId a, RegionId b) const { return a.value * regions_ + b.value; }
   std::size_t regions_;
+  MigrationMode mode_;
   std::int64_t flight_ticks_;
+  std::int64_t notice_ticks_;
   std::vector<Tick> servers_;
   std::vector<Tick> links_;
 };

@@ -57,6 +57,19 @@ TEST_CASE("a ball that strikes something may go anywhere from there, as fast as 
     }
 }
 
+TEST_CASE("what is overtaken goes on faster than it was and faster than the blow alone would be") {
+  // 1 kg at 30 m/s from behind onto 10 kg at 3.3 m/s: they go on at (30 + 33) / 11 m/s.
+  Scene scene;
+  HostedBody slow = rolling(3.3), fast = rolling(30);
+  slow.mass_kg = 10;
+  fast.id = name(1);
+  fast.position.x -= 0.6;
+  scene.hosted = {slow, fast};
+  Outlook outlook(reach_s);
+  outlook.look({Tick{0}, RegionId{0}, scene.map, scene.hosted, {}, {}, scene.linked});
+  CHECK(holds(outlook.aura(0), {15 + 63.0 / 11 * reach_s, 0.3, 0}, 0.3));
+}
+
 TEST_CASE("what strikes at once does not reach as far as its way and then as far again") {
   const double speed = 10;
   const AuraBox room = aura_beside(rolling(speed), 0).box();

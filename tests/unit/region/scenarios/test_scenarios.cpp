@@ -282,8 +282,8 @@ TEST_CASE("a chain that reaches deep into its region changes servers whole") {
   const float pace = 3.0f;
   // Each is in its neighbours' auras, and the first one meets somebody at the corner.
   std::vector<BodyId> chain;
-  for (int i = 0; i < 40; ++i)
-    chain.push_back(put_on(world, 1, {1 + 0.7 * i, 0.3, -1 - 0.7 * i}, {-pace, 0, 0}));
+  for (int i = 0; i < 60; ++i)
+    chain.push_back(put_on(world, 1, {1 + 0.5 * i, 0.3, -1 - 0.5 * i}, {-pace, 0, 0}));
   put_on(world, 0, {-1.5, 0.3, -1}, {pace, 0, 0});
   RegionCluster cluster(world, 1);
   std::size_t torn = 0, arrived = 0;
