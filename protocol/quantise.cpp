@@ -2,7 +2,9 @@
 #include "protocol/quantise.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 
 namespace aureole {
 namespace {
@@ -18,6 +20,13 @@ constexpr double component_limit = 0.70710678118654752;  // 1/√2
 double nearest(double value) {
   constexpr double no_fractions = 0x1.8p52;
   return (value + no_fractions) - no_fractions;
+}
+
+/// The lowest byte first.
+template <std::size_t count>
+void store_bytes(std::uint64_t bits, std::uint8_t* to) {
+  static_assert(std::endian::native == std::endian::little && count <= sizeof bits);
+  std::memcpy(to, &bits, count);
 }
 
 std::int32_t to_cells(double metres) {
@@ -84,10 +93,12 @@ void make_stable(SmallestThree& q, const std::array<double, 3>& exact) {
 QuantisedPosition quantise(const WorldPosition& position) {
   QuantisedPosition q{};
   const std::int32_t cells[3] = {to_cells(position.x), to_cells(position.y), to_cells(position.z)};
-  for (int axis = 0; axis < 3; ++axis)
-    for (int byte = 0; byte < 3; ++byte)
-      q[axis * 3 + byte] =
-          static_cast<std::uint8_t>(static_cast<std::uint32_t>(cells[axis]) >> (8 * byte));
+  // Packed first and then stored: 24 bits each are eight bytes and the last one.
+  const auto bits = [&](int axis) {
+    return std::uint64_t{static_cast<std::uint32_t>(cells[axis]) & 0xffffff};
+  };
+  store_bytes<8>(bits(0) | bits(1) << 24 | bits(2) << 48, q.data());
+  q[8] = static_cast<std::uint8_t>(bits(2) >> 16);
   return q;
 }
 
@@ -132,7 +143,7 @@ QuantisedOrientation quantise(const Eigen::Quaternionf& orientation) {
   for (int k = 0; k < 3; ++k)
     bits |= static_cast<std::uint64_t>(packed.codes[k]) << (2 + k * component_bits);
   QuantisedOrientation q{};
-  for (int byte = 0; byte < 6; ++byte) q[byte] = static_cast<std::uint8_t>(bits >> (8 * byte));
+  store_bytes<6>(bits, q.data());
   return q;
 }
 

@@ -22,6 +22,12 @@ double Rectangle::distance(double x, double z) const {
   return std::hypot(dx, dz);
 }
 
+double Rectangle::distance(const Rectangle& other) const {
+  const double dx = std::max(-overlap(min_x, max_x, other.min_x, other.max_x), 0.0);
+  const double dz = std::max(-overlap(min_z, max_z, other.min_z, other.max_z), 0.0);
+  return std::hypot(dx, dz);
+}
+
 PartitionMap::PartitionMap(std::vector<Rectangle> areas, std::uint64_t version)
     : areas_(std::move(areas)), version_(version), neighbours_(areas_.size()) {
   AUREOLE_CHECK(!areas_.empty(), "a world has at least one region");

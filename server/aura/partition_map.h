@@ -27,6 +27,8 @@ struct Rectangle {
   bool holds(double low_x, double low_z, double high_x, double high_z) const {
     return low_x >= min_x && high_x < max_x && low_z >= min_z && high_z < max_z;
   }
+  /// Between their nearest points; 0 if they overlap or share an edge (unit: m).
+  double distance(const Rectangle& other) const;
   /// Distance from the point to the rectangle; 0 inside and on its edge (unit: m).
   double distance(double x, double z) const;
   friend bool operator==(const Rectangle&, const Rectangle&) = default;

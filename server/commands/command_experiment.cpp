@@ -206,6 +206,11 @@ void add_experiment(CLI::App& app, int& exit_code) {
                     "with more than 20,000 bodies)");
   command->add_flag("--references,!--no-references", e.with_references,
                     "Also run cut, ideal and single, to compare with (on by default)");
+  command
+      ->add_option("--reference-repeats", e.reference_repeats,
+                   "Repeats that cut, ideal and single run beside, if not all: they take longer\n"
+                   "than ours, and only maxima need many repeats")
+      ->check(CLI::Range(1, 1000));
   command->add_flag("--judge,!--no-judge", e.judged,
                     "Run it once more for the oracles to look at (on by default)");
   command->add_option("--json", o->json, "Write all figures to this file");

@@ -170,6 +170,11 @@ void add_experiment_figures(CLI::App& experiment, int& exit_code) {
       ->required();
   command->add_option("--only", o->only, "Some of fig5,fig7,latency,tolerances,weak")
       ->delimiter(',');
+  command
+      ->add_option("--servers", o->plan.servers,
+                   "Only runs with these numbers of servers: 1,2,4,10")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 64));
   command->add_flag("--quick", o->plan.quick, "Fewer and shorter runs, each once");
   command->add_option("--seconds", o->plan.seconds, "World time of every run, not the plan's")
       ->check(CLI::Range(0.5, 3600.0));

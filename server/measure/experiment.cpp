@@ -19,7 +19,7 @@ class Experiment {
  public:
   using Progress = std::function<void(const std::string&)>;
   Experiment(const ExperimentOptions& options, WorldDefinition world, const Progress& progress)
-      : r_{options, std::move(world), BucketClock(options.workload.seconds), {}, {}, {}, 0, {}},
+      : r_{options, std::move(world), BucketClock(options.workload.seconds), {}, {}, {}, {}, 0, {}},
         talks_(migration_mode_from(options.mode).has_value()),
         progress_(progress) {
     const ExperimentOptions& o = r_.options;
@@ -28,10 +28,12 @@ class Experiment {
   }
 
   Status run() {
-    for (const std::string& mode : r_.modes)
-      r_.runs.emplace(mode,
-                      RunRecord(mode == "single" ? 1 : r_.world.regions.size(),
-                                r_.options.workload.seconds, r_.world.tolerances.frame_time_ms));
+    const auto record = [&](const std::string& mode) {
+      return RunRecord(mode == "single" ? 1 : r_.world.regions.size(), r_.options.workload.seconds,
+                       r_.world.tolerances.frame_time_ms);
+    };
+    for (const std::string& mode : r_.modes) r_.runs.emplace(mode, record(mode));
+    r_.beside = record(r_.options.mode);
     for (int repeat = 0; repeat < r_.options.repeats; ++repeat)
       if (auto measured = measure(repeat); !measured) return measured.error();
     if (!talks_ || !r_.options.judged) return Ok{};
@@ -70,11 +72,15 @@ class Experiment {
   }
 
   Status measure(int repeat) {
+    // Ours comes first among the modes.
+    const bool compared = repeat < r_.options.reference_repeats;
+    const std::size_t count = compared ? r_.modes.size() : 1;
     std::vector<std::unique_ptr<MeasuredRun>> runs;
-    for (const std::string& mode : r_.modes) {
-      runs.push_back(start(mode));
-      r_.runs.at(mode).begin_repeat();
+    for (std::size_t i = 0; i < count; ++i) {
+      runs.push_back(start(r_.modes[i]));
+      r_.runs.at(r_.modes[i]).begin_repeat();
     }
+    if (compared) r_.beside->begin_repeat();
     const Tick last = r_.clock.last();
     std::size_t turn = static_cast<std::size_t>(repeat);
     for (Tick from{1}; from <= last; from = from + turn_ticks, ++turn) {
@@ -84,6 +90,7 @@ class Experiment {
         for (Tick now = from; now <= to; now = now + 1) {
           runs[which]->tick();
           r_.runs.at(r_.modes[which]).note(now, *runs[which]);
+          if (compared && which == 0) r_.beside->note(now, *runs[which]);
         }
       }
       progress_(fmt::format("repeat {} of {}: {:.0f} of {:.0f} s", repeat + 1, r_.options.repeats,

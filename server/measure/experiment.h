@@ -24,6 +24,8 @@ struct ExperimentOptions {
   bool follow_latency = false;
   /// Whether modes of servers that talk are also run as `cut` and `ideal`.
   bool with_references = true;
+  /// In how many of the repeats, at most; they are compared with the same repeats of ours.
+  int reference_repeats = 1000;
   /// Whether they are also run as `single`, for the speedup; not if there are more bodies than
   /// `single_bodies_max`.
   bool with_single = true;

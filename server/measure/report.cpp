@@ -96,7 +96,7 @@ class Report {
   /// Theirs over ours, by the busiest server's mean frame.
   json ratio(const std::string& reference, std::size_t first, std::size_t end) const {
     const auto found = r_.runs.find(reference);
-    const double ours = total_ms(r_.own().worst_server(first, end));
+    const double ours = total_ms(r_.beside->worst_server(first, end));
     if (reference == r_.options.mode || found == r_.runs.end() || ours <= 0) return nullptr;
     return total_ms(found->second.worst_server(first, end)) / ours;
   }
@@ -116,30 +116,33 @@ class Report {
     last["share_besides_physics"] =
         1 - worst[static_cast<std::size_t>(StepProfile::Part::physics)] / total_ms(worst);
     for (const std::string& mode : r_.modes)
-      last["reference_ms"][mode] = total_ms(r_.runs.at(mode).worst_server(first, end_));
+      last["reference_ms"][mode] = total_ms(
+          (mode == r_.options.mode ? *r_.beside : r_.runs.at(mode)).worst_server(first, end_));
     return last;
   }
 
   json description() const {
     const ExperimentOptions& o = r_.options;
-    return {{"layout", o.workload.layout},
-            {"servers", o.workload.servers},
-            {"mode", o.mode},
-            {"seconds", o.workload.seconds},
-            {"rate_per_s", o.workload.rate_per_s},
-            {"total_rate_per_s", total_rate_per_s(o.workload)},
-            {"seed", o.workload.seed},
-            {"repeats", o.repeats},
-            {"latency_ms", o.latency_ms},
-            {"jitter_ms", o.jitter_ms},
-            {"loss_pct", o.loss_pct},
-            {"region_m", workload_region_m},
-            {"step_ms", tick_us / 1e3},
-            {"tolerances",
-             {{"mode", o.follow_latency ? "follow" : "fixed"},
-              {"speed_mps", r_.world.tolerances.speed_mps},
-              {"latency_ms", r_.world.tolerances.latency_ms},
-              {"frame_time_ms", r_.world.tolerances.frame_time_ms}}}};
+    return {
+        {"layout", o.workload.layout},
+        {"servers", o.workload.servers},
+        {"mode", o.mode},
+        {"seconds", o.workload.seconds},
+        {"rate_per_s", o.workload.rate_per_s},
+        {"total_rate_per_s", total_rate_per_s(o.workload)},
+        {"seed", o.workload.seed},
+        {"repeats", o.repeats},
+        {"reference_repeats", r_.modes.size() > 1 ? std::min(o.repeats, o.reference_repeats) : 0},
+        {"latency_ms", o.latency_ms},
+        {"jitter_ms", o.jitter_ms},
+        {"loss_pct", o.loss_pct},
+        {"region_m", workload_region_m},
+        {"step_ms", tick_us / 1e3},
+        {"tolerances",
+         {{"mode", o.follow_latency ? "follow" : "fixed"},
+          {"speed_mps", r_.world.tolerances.speed_mps},
+          {"latency_ms", r_.world.tolerances.latency_ms},
+          {"frame_time_ms", r_.world.tolerances.frame_time_ms}}}};
   }
 
   std::uint64_t injected() const {

@@ -20,10 +20,12 @@ struct ExperimentRecord {
   BucketClock clock;
   std::vector<std::string> modes;  ///< The one asked for first, then those that ran beside it.
   std::map<std::string, RunRecord> runs;
+  std::optional<RunRecord> beside;  ///< Ours, of the repeats that had references beside them only.
   std::map<std::string, std::uint64_t> hashes;
   std::uint64_t refused = 0;
   std::optional<Judgement> judgement;
 
+  /// Of all repeats.
   const RunRecord& own() const { return runs.at(options.mode); }
 };
 

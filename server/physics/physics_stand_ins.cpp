@@ -78,6 +78,7 @@ void PhysicsWorld::remove_stand_ins(std::span<const BodyId> ids, Wake wake) {
 }
 
 void PhysicsWorld::turn_into_stand_ins(std::span<const BodyId> ids) {
+  if (ids.empty()) return;
   const std::vector<BulletBody*> group = impl_->group_of(ids, &Impl::body);
   for (const BulletBody* body : group)
     AUREOLE_CHECK(body->role == Role::body, "only a body becomes a stand-in");

@@ -72,8 +72,8 @@ class AuraExchange {
   void announce(Tick now, const MigrationDecision& decision, const AuraBodies& bodies);
   /// The frame for one linked peer, or nothing if there is nothing to say of auras.
   SharedBytes take_frame(RegionId peer);
-  /// A message without auras: that we have stepped. In each step every peer hears one or the other,
-  /// so that silence means something.
+  /// A message without auras: that we have stepped. Peers hear one or the other as often as
+  /// signs_of_life.h says, so that silence means something.
   static SharedBytes sign_of_life(Tick now);
 
   /// Auras in one message at most; far more than a boundary can hold.

@@ -196,8 +196,16 @@ void AuraExchange::announce(Tick now, const MigrationDecision& decision, const A
   std::map<RegionId, std::vector<HandoverRequest>> pulls;
   for (const Pull& pull : decision.pulls)
     for (BodyId id : pull.bodies) pulls[pull.from].push_back({id, pull.to});
-  for (auto& [id, peer] : peers_)
-    if (peer.up) peer.frame = frame_for(peer, pulls[id], now, bodies);
+  static const std::vector<HandoverRequest> none;
+  for (auto& [id, peer] : peers_) {
+    if (!peer.up) continue;
+    const auto asked = pulls.find(id);
+    // Most peers of a large world are far away.
+    const bool silent =
+        peer.greeted && peer.wanted.empty() && peer.projected.empty() && asked == pulls.end();
+    if (!silent)
+      peer.frame = frame_for(peer, asked == pulls.end() ? none : asked->second, now, bodies);
+  }
 }
 
 SharedBytes AuraExchange::sign_of_life(Tick now) {

@@ -6,6 +6,7 @@
 #include "protocol/wire.h"
 #include "server/base/check.h"
 #include "server/base/hash.h"
+#include "server/region/signs_of_life.h"
 
 namespace aureole {
 namespace {
@@ -38,8 +39,14 @@ RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation 
       injected_(world.injectors.size(), 0),
       tolerances_(world.tolerances, self, world.regions.size()) {
   AUREOLE_CHECK(self.value < world.regions.size(), "a core is one of its world's regions");
-  for (std::size_t i = 0; i < world.regions.size(); ++i)
-    if (i != self.value) peers_[PeerId::region(RegionId{static_cast<std::uint16_t>(i)})];
+  for (std::size_t i = 0; i < world.regions.size(); ++i) {
+    if (i == self.value) continue;
+    const RegionId region{static_cast<std::uint16_t>(i)};
+    const std::int64_t interval_ticks =
+        word_interval_ticks(map_, self, region, world.tolerances.speed_mps);
+    peers_[PeerId::region(region)].word_every_ticks = interval_ticks;
+    tolerances_.expect_word(region, interval_ticks);
+  }
   for (const Injector& injector : world.injectors) {
     const Eigen::Vector3d &low = injector.volume.min, &high = injector.volume.max;
     may_inject_here_.push_back(map_.area(self).overlaps(low.x(), low.z(), high.x(), high.z()));

@@ -155,9 +155,10 @@ class RegionCore {
     Journal journal;                 ///< Regions.
     std::uint32_t bodies = 0;        ///< Last heard.
     Incarnation incarnation;
-    bool met = false;               ///< Has been up once.
-    bool recovering = false;        ///< Simulates nothing yet; it has asked us what we know.
-    std::uint64_t asked_round = 0;  ///< Of a recovery query that waits for its answer; 0: none.
+    bool met = false;                   ///< Has been up once.
+    bool recovering = false;            ///< Simulates nothing yet; it has asked us what we know.
+    std::uint64_t asked_round = 0;      ///< Of a recovery query that waits for its answer; 0: none.
+    std::int64_t word_every_ticks = 1;  ///< Regions: see signs_of_life.h.
   };
   struct Arrived {
     RegionId from;

@@ -7,6 +7,7 @@
 #include "server/region/closed_boundary.h"
 #include "server/region/handoff/catch_up.h"
 #include "server/region/region_core.h"
+#include "server/region/signs_of_life.h"
 #include "server/worlds/injector.h"
 
 namespace aureole {
@@ -201,13 +202,14 @@ void RegionCore::spawn(Tick now) {
     }
   }
   for (std::size_t i = 0; i < world_.injectors.size(); ++i) {
+    if (!may_inject_here_[i]) continue;
     const Injector& injector = world_.injectors[i];
     // After a leap of world time the bodies of the time between come bit by bit.
     const std::uint64_t made =
         std::min(injected_count(injector, now), injected_[i] + injected_per_step_max);
     // A world that starts again from older states of others may be behind ours.
     if (made <= injected_[i]) continue;
-    for (std::uint64_t n = injected_[i]; n < made && may_inject_here_[i]; ++n) {
+    for (std::uint64_t n = injected_[i]; n < made; ++n) {
       const InjectedBody body = injected_body(injector, n);
       if (map_.region_at(body.state.position.x, body.state.position.z) != self_) continue;
       if (made_before_.contains(BodyId::injected(static_cast<std::uint16_t>(i), n))) continue;
@@ -338,9 +340,12 @@ void RegionCore::publish(Tick now, const SharedBytes& update, const ShellMeasure
         for (SharedBytes& frame : encode_recovery_answer(answer_to(peer)))
           outbox_.push_back({id, std::move(frame)});
       peer.asked_round = 0;
-      SharedBytes auras = aura_exchange_.take_frame(id.as_region());
-      if (!auras && !sign_of_life) sign_of_life = AuraExchange::sign_of_life(now);
-      outbox_.push_back({id, auras ? std::move(auras) : sign_of_life});
+      if (SharedBytes auras = aura_exchange_.take_frame(id.as_region())) {
+        outbox_.push_back({id, std::move(auras)});
+      } else if (!started_ || is_word_due(last_tick_, now, peer.word_every_ticks)) {
+        if (!sign_of_life) sign_of_life = AuraExchange::sign_of_life(now);
+        outbox_.push_back({id, sign_of_life});
+      }
     } else if (peer.wants_whole_state) {
       peer.wants_whole_state = false;
       for (SharedBytes& frame :

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "server/base/check.h"
 
@@ -33,10 +34,19 @@ std::string_view name_of(ToleranceEvent::Kind kind) {
   return "link";
 }
 
-Tolerances::Tolerances(const AuraTolerances& limits, RegionId self, std::size_t region_count) {
+Tolerances::Tolerances(const AuraTolerances& limits, RegionId self, std::size_t region_count)
+    : self_(self), links_(region_count) {
   set_limits(limits);
-  for (std::size_t i = 0; i < region_count; ++i)
-    if (i != self.value) links_[RegionId{static_cast<std::uint16_t>(i)}];
+}
+
+Tolerances::Link& Tolerances::link(RegionId peer) {
+  AUREOLE_CHECK(peer.value < links_.size() && peer != self_, "a peer is another region");
+  return links_[peer.value];
+}
+
+void Tolerances::expect_word(RegionId peer, std::int64_t every_ticks) {
+  AUREOLE_CHECK(every_ticks >= 1, "nobody says more than one word in a step");
+  link(peer).word_every_ticks = every_ticks;
 }
 
 void Tolerances::set_limits(const AuraTolerances& limits) {
@@ -47,36 +57,36 @@ void Tolerances::set_limits(const AuraTolerances& limits) {
 
 double Tolerances::longest_latency_ms() const {
   double longest_ms = 0;
-  for (const auto& [peer, link] : links_)
+  for (const Link& link : links_)
     if (!link.latency_ms.empty()) longest_ms = std::max(longest_ms, link.latency_ms.front().second);
   return longest_ms;
 }
 
 void Tolerances::link_up(RegionId peer) {
-  Link& link = links_.at(peer);
-  link.up = true;
-  link.counts = false;
+  Link& up = link(peer);
+  up.up = true;
+  up.counts = false;
 }
 
 void Tolerances::link_down(RegionId peer) {
-  Link& link = links_.at(peer);
-  link.up = false;
-  link.broke = true;
+  Link& down = link(peer);
+  down.up = false;
+  down.broke = true;
   // What the next link measures has nothing to do with this one.
-  link.latency_ms.clear();
-  link.measured_ms = -1;
+  down.latency_ms.clear();
+  down.measured_ms = -1;
 }
 
 void Tolerances::link_measured(RegionId peer, double latency_ms) {
   AUREOLE_CHECK(std::isfinite(latency_ms) && latency_ms >= 0, "a latency is a time");
-  Link& link = links_.at(peer);
-  link.measured_ms = std::max(link.measured_ms, latency_ms);
+  double& measured_ms = link(peer).measured_ms;
+  measured_ms = std::max(measured_ms, latency_ms);
 }
 
 void Tolerances::heard(RegionId peer, Tick tick) {
-  Link& link = links_.at(peer);
-  link.newest = link.counts ? std::max(link.newest, tick) : tick;
-  link.counts = true;
+  Link& from = link(peer);
+  from.newest = from.counts ? std::max(from.newest, tick) : tick;
+  from.counts = true;
 }
 
 void Tolerances::judge(Kept& kept, const ToleranceEvent& seen, bool exceeds) {
@@ -110,9 +120,11 @@ void Tolerances::judge_latency(RegionId peer, Link& link, Tick now) {
   while (history.size() > 1 && now - history.front().first >= latency_window_ticks)
     history.pop_front();
   const double estimate_ms = history.empty() ? 0 : history.front().second;
+  const bool exceeds = estimate_ms > limits_.latency_ms;
+  if (!exceeds && !link.latency.outside) return;
   judge(link.latency,
         {ToleranceEvent::Kind::latency, false, now, peer, {}, estimate_ms, limits_.latency_ms},
-        estimate_ms > limits_.latency_ms);
+        exceeds);
 }
 
 void Tolerances::judge_word(RegionId peer, Link& link, Tick now) {
@@ -124,10 +136,11 @@ void Tolerances::judge_word(RegionId peer, Link& link, Tick now) {
   // A clock that is ahead of ours, or a peer that claims to be, is no word from the future.
   link.newest = std::min(link.newest, now);
   const auto age = static_cast<double>(now - link.newest);
-  const auto limit = static_cast<double>(flight_ticks_);
-  judge(link.word, {ToleranceEvent::Kind::link, false, now, peer, {}, age, limit},
-        age > limit || !link.up || link.broke);
-  link.broke = false;
+  const auto limit = static_cast<double>(flight_ticks_ + link.word_every_ticks - 1);
+  const bool broke = std::exchange(link.broke, false);
+  const bool exceeds = age > limit || !link.up || broke;
+  if (!exceeds && !link.word.outside) return;
+  judge(link.word, {ToleranceEvent::Kind::link, false, now, peer, {}, age, limit}, exceeds);
 }
 
 void Tolerances::step(Tick now, double frame_ms, const FastestBody& fastest) {
@@ -147,9 +160,11 @@ void Tolerances::step(Tick now, double frame_ms, const FastestBody& fastest) {
   judge(frame_time_,
         {ToleranceEvent::Kind::frame_time, false, now, {}, {}, frame_ms, limits_.frame_time_ms},
         frame_ms > limits_.frame_time_ms);
-  for (auto& [peer, link] : links_) {
-    judge_latency(peer, link, now);
-    judge_word(peer, link, now);
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    const RegionId peer{static_cast<std::uint16_t>(i)};
+    if (peer == self_) continue;
+    judge_latency(peer, links_[i], now);
+    judge_word(peer, links_[i], now);
   }
   last_ = now;
   started_ = true;
@@ -168,7 +183,7 @@ std::vector<ToleranceEvent> Tolerances::outside() const {
   };
   add(speed_);
   add(frame_time_);
-  for (const auto& [peer, link] : links_) add(link.latency), add(link.word);
+  for (const Link& link : links_) add(link.latency), add(link.word);
   std::sort(all.begin(), all.end(),
             [](const ToleranceEvent& a, const ToleranceEvent& b) { return a.kind < b.kind; });
   return all;

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <deque>
-#include <map>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -42,9 +41,10 @@ struct FastestBody {
 ///
 /// Two things are watched of each link. Its latency, as the shell measures it (the paper's historic
 /// monitoring): the estimate is the longest of the last latency_window_ticks. And the age of the
-/// newest word: a server says something to every peer in each of its steps, and equation (1) gives
-/// a message ceil((2 T_F + T_L) / T_P) steps; if none is younger, something between there and here
-/// has taken longer than permitted, be it the network, the peer or its end.
+/// newest word: a server says something to its peers in each of its steps, to those far away in
+/// some (signs_of_life.h), and equation (1) gives a message ceil((2 T_F + T_L) / T_P) steps; if
+/// none is younger, something between there and here has taken longer than permitted, be it the
+/// network, the peer or its end.
 class Tolerances {
  public:
   static constexpr std::int64_t latency_window_ticks = 125;  ///< 2 s
@@ -58,6 +58,8 @@ class Tolerances {
   /// The longest estimate of any link; 0 while nothing has been measured.
   double longest_latency_ms() const;
 
+  /// The peer says something in one of so many steps at least; 1 until this is called.
+  void expect_word(RegionId peer, std::int64_t every_ticks);
   void link_up(RegionId peer);
   void link_down(RegionId peer);
   /// One way. Finite, ≥ 0.
@@ -91,6 +93,7 @@ class Tolerances {
     bool broke = false;   ///< Since the last step, however short.
     bool counts = false;  ///< `newest` is known.
     Tick newest;          ///< The peer's newest step that we have word of.
+    std::int64_t word_every_ticks = 1;
     Kept latency, word;
     double measured_ms = -1;                         ///< Longest since the last step.
     std::deque<std::pair<Tick, double>> latency_ms;  ///< Falling values; the first is the longest.
@@ -103,7 +106,9 @@ class Tolerances {
   AuraTolerances limits_;
   std::int64_t flight_ticks_ = 0;
   std::int64_t settle_ticks_ = 0;
-  std::map<RegionId, Link> links_;
+  Link& link(RegionId peer);
+  RegionId self_;
+  std::vector<Link> links_;  ///< By region; our own is not used.
   Kept speed_, frame_time_;
   Tick last_;
   bool started_ = false;

@@ -54,7 +54,8 @@ struct PlannedRun {
   PlannedNetwork network;
   PlannedTolerances tolerances;
   bool judged = true;      ///< Whether oracles look at it once more.
-  bool references = true;  ///< Whether `single`, `cut` and `ideal` run beside it.
+  bool references = true;  ///< Whether `cut` and `ideal` run beside its first repeat.
+  bool single = true;      ///< Whether `single` does, too.
 
   bool operator==(const PlannedRun&) const = default;
   /// Of its file, without the end; differs from that of every other run in the plan.
@@ -74,6 +75,7 @@ struct PlanOptions {
   bool quick = false;       ///< About half an hour on two cores: fewer and shorter runs, once each.
   std::optional<double> seconds, rate_per_s;  ///< Instead of the plan's.
   std::optional<int> repeats;
+  std::vector<int> servers;  ///< Of the plan's numbers of servers; empty: all.
   std::uint64_t seed = 1;
 };
 

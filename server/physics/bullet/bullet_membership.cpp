@@ -4,6 +4,7 @@
 
 #include "server/physics/bullet/bullet_queries.h"
 #include "server/physics/bullet/bullet_world.h"
+#include "server/physics/bullet/group_proxies.h"
 
 namespace aureole {
 namespace {
@@ -75,18 +76,15 @@ void BulletWorld::take_out(BulletBody& body) {
 
 void BulletWorld::erase(std::span<BulletBody* const> group, Wake wake) {
   for (BulletBody* body : group) body->marked = true;
-  const auto is_marked = [](const btCollisionObject* object) {
-    const BulletBody* body = body_of(object);
-    return body && body->marked;
-  };
+  const GroupProxies leaving(group);
   btManifoldArray scratch;
   btBroadphasePairArray& all = pairs_.getOverlappingPairArray();
   for (int i = 0; i < all.size();) {
     const btBroadphasePair& pair = all[i];
     btBroadphaseProxy* const first = pair.m_pProxy0;
     btBroadphaseProxy* const second = pair.m_pProxy1;
-    const bool first_leaves = is_marked(object_of(first));
-    const bool second_leaves = is_marked(object_of(second));
+    const bool first_leaves = leaving.hold(first);
+    const bool second_leaves = leaving.hold(second);
     if (!first_leaves && !second_leaves) {
       ++i;
       continue;

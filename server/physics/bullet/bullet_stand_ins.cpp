@@ -3,6 +3,7 @@
 #include "server/physics/bullet/bullet_contacts.h"
 #include "server/physics/bullet/bullet_conversions.h"
 #include "server/physics/bullet/bullet_world.h"
+#include "server/physics/bullet/group_proxies.h"
 
 namespace aureole {
 namespace {
@@ -17,11 +18,13 @@ bool is_fixed(const btCollisionObject* object) {
 void BulletWorld::freeze(std::span<BulletBody* const> group) {
   for (BulletBody* body : group) body->marked = true;
   // Pairs of two that nothing moves must not exist: they would never be looked at again.
+  const GroupProxies freezing(group);
   const btBroadphasePairArray& all = pairs_.getOverlappingPairArray();
   for (int i = 0; i < all.size();) {
     btBroadphaseProxy* const first = all[i].m_pProxy0;
     btBroadphaseProxy* const second = all[i].m_pProxy1;
-    if (is_fixed(object_of(first)) && is_fixed(object_of(second)))
+    const bool concerned = freezing.hold(first) || freezing.hold(second);
+    if (concerned && is_fixed(object_of(first)) && is_fixed(object_of(second)))
       pairs_.removeOverlappingPair(first, second, &dispatcher_);  // the last pair takes place i
     else
       ++i;

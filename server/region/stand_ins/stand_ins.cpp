@@ -12,8 +12,21 @@ bool same_pose(const BodyState& a, const BodyState& b) {
 
 }  // namespace
 
+void StandIns::note(BodyId id, const Entry& entry) {
+  entries_[id] = entry;
+  if (entry.vouched)
+    unvouched_.erase(id);
+  else
+    unvouched_.insert(id);
+}
+
+void StandIns::drop(BodyId id) {
+  entries_.erase(id);
+  unvouched_.erase(id);
+}
+
 void StandIns::put(const NewBody& body, const Entry& entry) {
-  entries_[body.id] = entry;
+  note(body.id, entry);
   const bool other_thing =
       physics_.is_stand_in(body.id) && physics_.stand_in(body.id).prototype != body.prototype;
   if (other_thing) physics_.remove_stand_ins(std::span(&body.id, 1), Wake::touching);
@@ -35,7 +48,7 @@ void StandIns::wake_what_is_inside(std::span<const BodyId> stand_ins) {
 }
 
 void StandIns::left(std::span<const BodyId> ids, RegionId to, Tick now) {
-  for (BodyId id : ids) entries_[id] = {to, false, now};
+  for (BodyId id : ids) note(id, {to, false, now});
 }
 
 void StandIns::came_along(std::span<const NewBody> bodies, RegionId from, Tick now) {
@@ -46,13 +59,15 @@ void StandIns::came_along(std::span<const NewBody> bodies, RegionId from, Tick n
 }
 
 void StandIns::arrived(std::span<const BodyId> ids) {
-  for (BodyId id : ids) entries_.erase(id);
+  for (BodyId id : ids) drop(id);
 }
 
 void StandIns::forget_bodies() {
   // Each stand-in has an entry: as long as there are as many, nobody has become a body.
   if (entries_.size() == physics_.stand_in_ids().size()) return;
-  std::erase_if(entries_, [&](const auto& entry) { return !physics_.is_stand_in(entry.first); });
+  const auto is_none = [&](BodyId id) { return !physics_.is_stand_in(id); };
+  std::erase_if(entries_, [&](const auto& entry) { return is_none(entry.first); });
+  std::erase_if(unvouched_, is_none);
 }
 
 void StandIns::take(std::span<const RestingNews> news, Tick now) {
@@ -61,8 +76,8 @@ void StandIns::take(std::span<const RestingNews> news, Tick now) {
   for (const RestingNews& item : news) {
     const BodyId id = item.body.id;
     if (item.kind == RestingNews::Kind::told_all) {
-      for (auto& [stand_in, entry] : entries_)
-        if (entry.sponsor == item.from) entry = {entry.sponsor, false, now};
+      for (const auto& [stand_in, entry] : entries_)
+        if (entry.sponsor == item.from) note(stand_in, {entry.sponsor, false, now});
       continue;
     }
     if (item.kind == RestingNews::Kind::rests) {
@@ -74,10 +89,9 @@ void StandIns::take(std::span<const RestingNews> news, Tick now) {
     const auto at = entries_.find(id);
     if (at == entries_.end() || at->second.sponsor != item.from) continue;
     if (item.kind == RestingNews::Kind::handed_over) {
-      at->second.vouched = false;
-      at->second.since = now;
+      note(id, {item.from, false, now});
     } else {
-      entries_.erase(at);
+      drop(id);
       physics_.remove_stand_ins(std::span(&id, 1), Wake::touching);
     }
   }
@@ -92,14 +106,13 @@ void StandIns::tidy(std::span<const RemoteAura> remote, Tick now) {
   forget_bodies();
   if (entries_.empty()) return;
   std::vector<BodyId> down;
-  auto aura = remote.begin();
-  for (const auto& [id, entry] : entries_) {
-    while (aura != remote.end() && aura->id < id) ++aura;
-    const bool told = aura != remote.end() && aura->id == id;
-    const bool moved = told && aura->left_its_place;
-    if (moved || (!entry.vouched && now - entry.since > grace_ticks)) down.push_back(id);
-  }
-  for (BodyId id : down) entries_.erase(id);
+  for (const RemoteAura& aura : remote)
+    if (aura.left_its_place && entries_.contains(aura.id)) down.push_back(aura.id);
+  for (BodyId id : unvouched_)
+    if (now - entries_.at(id).since > grace_ticks) down.push_back(id);
+  std::sort(down.begin(), down.end());
+  down.erase(std::unique(down.begin(), down.end()), down.end());
+  for (BodyId id : down) drop(id);
   if (!down.empty()) physics_.remove_stand_ins(down, Wake::touching);
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -53,8 +54,13 @@ class StandIns {
   /// A stand-in that has become a body (born or claimed here under that name) is one no more.
   void forget_bodies();
 
+  /// All changes to `entries_` go through these two.
+  void note(BodyId id, const Entry& entry);
+  void drop(BodyId id);
+
   PhysicsWorld& physics_;
   std::map<BodyId, Entry> entries_;
+  std::set<BodyId> unvouched_;  ///< Those of `entries_`; most of a heap that rests is vouched for.
 };
 
 }  // namespace aureole

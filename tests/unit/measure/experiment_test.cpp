@@ -154,8 +154,28 @@ TEST_CASE("repeats change no counts") {
   json twice = run(options);
   CHECK(twice["buckets"][0]["speedup"].is_null());
   CHECK(twice["experiment"]["repeats"] == 2);
-  twice["experiment"]["repeats"] = 1;
+  CHECK(twice["experiment"]["reference_repeats"] == 2);
+  twice["experiment"]["repeats"] = twice["experiment"]["reference_repeats"] = 1;
   CHECK(without_times(once) == without_times(twice));
+}
+
+TEST_CASE("references may run beside some repeats only, and are compared with these") {
+  ExperimentOptions options = small("adaptive");
+  options.with_single = false;
+  options.repeats = 3;
+  options.reference_repeats = 1;
+  const json report = run(options);
+  CHECK(report["experiment"]["repeats"] == 3);
+  CHECK(report["experiment"]["reference_repeats"] == 1);
+  const json& last = report["last_10_s"];
+  // What ran once beside `cut` is a third of all that was measured of ours.
+  CHECK(last["reference_ms"]["adaptive"] != last["worst_server_ms"]);
+  CHECK(last["efficiency"].get<double>() == Approx(last["reference_ms"]["cut"].get<double>() /
+                                                   last["reference_ms"]["adaptive"].get<double>()));
+  options.reference_repeats = options.repeats = 1;
+  json once = run(options), thrice = report;
+  once["experiment"]["repeats"] = 3;
+  CHECK(without_times(once) == without_times(thrice));
 }
 
 TEST_CASE("a layout for so many servers is refused before anything runs") {

@@ -277,3 +277,29 @@ TEST_CASE(
   REQUIRE(events[0].tick == Tick{1});
   REQUIRE(cluster.core(1).tolerance_events().empty());
 }
+
+TEST_CASE("a peer that says a word in eight steps is outside when it is late, and no sooner") {
+  Tolerances tolerances{AuraTolerances{}, RegionId{0}, 2};
+  tolerances.link_up(RegionId{1});
+  tolerances.expect_word(RegionId{1}, 8);
+  const FastestBody fastest{BodyId::world(7), 3};
+  Tick now{1000};
+  for (int i = 0; i < 66; ++i) {
+    now = now + 1;
+    // Two ticks on the way, as long as equation (1) gives them.
+    if (now.value % 8 == 2) tolerances.heard(RegionId{1}, now - 2);
+    tolerances.step(now, 5, fastest);
+    REQUIRE(tolerances.events().empty());
+  }
+  // The newest word is of tick 1064: that of 1072 is missed at 1074.
+  while (now < Tick{1073}) {
+    now = now + 1;
+    tolerances.step(now, 5, fastest);
+    REQUIRE(tolerances.events().empty());
+  }
+  tolerances.step(Tick{1074}, 5, fastest);
+  REQUIRE(tolerances.events().size() == 1);
+  CHECK(tolerances.events()[0].kind == Kind::link);
+  CHECK(tolerances.events()[0].limit == 9);
+  CHECK(tolerances.events()[0].value == 10);
+}

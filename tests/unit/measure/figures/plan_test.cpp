@@ -61,7 +61,7 @@ TEST_CASE("no two runs of a plan have the same name, or the same command line in
   }
 }
 
-TEST_CASE("the plan has the server counts of the paper, five times each, and all demands' ones") {
+TEST_CASE("the plan has the server counts of the paper, ours five times, and all demands' ones") {
   const auto plan = plan_of({});
   for (const std::string mode : {"paper", "adaptive"}) {
     CHECK(servers_in(plan, Study::fig5, mode) == std::set<int>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10});
@@ -72,9 +72,12 @@ TEST_CASE("the plan has the server counts of the paper, five times each, and all
     if (run.study == Study::fig5 || run.study == Study::fig7) {
       CHECK(run.seconds == 60);
       CHECK(run.rate_per_s == 160);
-      CHECK(run.repeats == 5);
-      CHECK(run.references);
-      CHECK(run.judged);
+      CAPTURE(run.name());
+      CHECK(run.repeats == (run.mode == "adaptive" ? 5 : 1));
+      // One server has no boundary.
+      CHECK(run.references == (run.servers > 1));
+      CHECK(run.single == (run.servers > 1 && run.mode == "adaptive"));
+      CHECK(run.judged == (run.servers > 1));
       CHECK(run.network == PlannedNetwork{});
       CHECK(run.tolerances == PlannedTolerances{});
     }
@@ -116,9 +119,29 @@ TEST_CASE("seconds, rate, repeats, seed and studies can be chosen") {
     CHECK((run.study == Study::fig7 || run.study == Study::weak));
     CHECK(run.seconds == 5);
     CHECK(run.rate_per_s == 40);
-    CHECK(run.repeats == 2);
+    CHECK(run.repeats == (run.study == Study::fig7 && run.mode == "paper" ? 1 : 2));
     CHECK(run.seed == 9);
   }
+  options.servers = {4, 9, 16};
+  const auto some = plan_of(options);
+  CHECK(servers_in(some, Study::fig7, "adaptive") == std::set<int>{4, 9});
+  CHECK(servers_in(some, Study::fig7, "paper") == std::set<int>{4, 9});
+  CHECK(servers_in(some, Study::weak, "adaptive") == std::set<int>{4, 16});
+  CHECK(some.size() == 6);
+}
+
+TEST_CASE("references run beside the first repeat, and `single` beside ours only") {
+  PlannedRun run;
+  run.servers = 10;
+  run.repeats = 5;
+  CHECK(command_line(run.arguments()) ==
+        "aureole experiment column --servers 10 --mode adaptive --seconds 60 --rate 160 --seed 1 "
+        "--repeat 5 --latency-ms 2 --jitter-ms 1 --reference-repeats 1");
+  run.repeats = 1;
+  run.single = false;
+  CHECK(command_line(run.arguments()) ==
+        "aureole experiment column --servers 10 --mode adaptive --seconds 60 --rate 160 --seed 1 "
+        "--repeat 1 --latency-ms 2 --jitter-ms 1 --no-single");
 }
 
 TEST_CASE("a run comes back from JSON as it was, and not from JSON that lacks something") {
