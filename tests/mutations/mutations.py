@@ -178,8 +178,8 @@ MUTATIONS = [
         "overtaken-requests",
         "requests are met that cannot know that the cluster must not change its owner again",
         "server/aura/adaptive/contests.cpp",
-        "    if (situation_->now - settled_now_.at(asked_for) < round_trip_ticks_) return true;\n",
-        "",
+        "    if (situation_->now - settled_now_.at(asked_for) < round_trip_ticks_ &&\n",
+        "    if (false &&\n",
         ((AURA, "a request that cannot know that its cluster has changed twice waits*"),),
     ),
     Mutation(
@@ -269,5 +269,21 @@ MUTATIONS = [
         "  if (drop_m >= falls_m) return falls_m;\n",
         "  if (drop_m >= 0) return 0;\n",
         ((AURA, "what lies on level ground sinks no further*"),),
+    ),
+    Mutation(
+        "settled-insists",
+        "a request waits although its asker, too, has changed as often as it should",
+        "server/aura/adaptive/contests.cpp",
+        "        !meets_settled(cluster, asker))\n",
+        "        true)\n",
+        ((AURA, "a request by a server whose side has changed twice as well is met at once"),),
+    ),
+    Mutation(
+        "far-word",
+        "who is far away is expected to say a word in every step",
+        "server/region/tolerances.cpp",
+        "flight_ticks_ + link.word_every_ticks - 1",
+        "flight_ticks_",
+        ((REGION, "servers that are far apart do not miss the words that they do not say"),),
     ),
 ]

@@ -176,10 +176,22 @@ void Contests::note_settled(Clusters::Number cluster) {
   }
 }
 
+/// Whether the other server's side, too, has changed its owner as often as it should: then it stays
+/// there whatever has become of ours.
+bool Contests::meets_settled(Clusters::Number cluster, RegionId other) const {
+  const auto at = meetings_.find(cluster);
+  return at != meetings_.end() &&
+         std::any_of(at->second.begin(), at->second.end(), [&](const RemoteAura* aura) {
+           return aura->host == other && aura->company.changes == Company::changes_max;
+         });
+}
+
 bool Contests::is_overtaken(Clusters::Number cluster, BodyId asked_for, RegionId asker) {
   if (changes_of(cluster) == Company::changes_max) {
     note_settled(cluster);
-    if (situation_->now - settled_now_.at(asked_for) < round_trip_ticks_) return true;
+    if (situation_->now - settled_now_.at(asked_for) < round_trip_ticks_ &&
+        !meets_settled(cluster, asker))
+      return true;
   }
   const auto members = clusters_->members(cluster);
   return std::any_of(members.begin(), members.end(), [&](std::uint32_t member) {

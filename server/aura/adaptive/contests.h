@@ -50,7 +50,8 @@ class Contests {
 
   /// Whether a server that asks for the cluster cannot have known what has come to it meanwhile:
   /// bodies of its own, or such as have changed their owner as often as they should. It will ask
-  /// again, or send its side here.
+  /// again, or send its side here; if its side has changed as often, it can only ask again, and
+  /// waiting would make it too late.
   bool is_overtaken(Clusters::Number cluster, BodyId asked_for, RegionId asker);
 
   /// Whether a body must be brought together with somebody else's.
@@ -84,6 +85,7 @@ class Contests {
   std::optional<RegionId> settled_host(const Contest& contest) const;
   bool meets_a_third_soon(const Contest& contest, RegionId other) const;
   void note_settled(Clusters::Number cluster);
+  bool meets_settled(Clusters::Number cluster, RegionId other) const;
 
   double reach_s_ = 0, visitor_clearance_m_ = 0;
   std::int64_t round_trip_ticks_ = 0;  ///< Until a server hears what is made of its word.
