@@ -28,19 +28,6 @@ std::int32_t row_of(float z) {
 
 }  // namespace
 
-RoughBox RoughBox::around(const AuraBox& box) {
-  RoughBox rough{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto i = static_cast<Eigen::Index>(axis);
-    const double low = box.centre[i] - box.half[i], high = box.centre[i] + box.half[i];
-    // More than a float is rounded by.
-    const double slack = 1e-6 * (1 + std::max(std::abs(low), std::abs(high)));
-    rough.low[axis] = static_cast<float>(low - slack);
-    rough.high[axis] = static_cast<float>(high + slack);
-  }
-  return rough;
-}
-
 void BoxRows::clear() {
   entries_.clear();
   fresh_.clear();

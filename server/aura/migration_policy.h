@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "server/aura/audience.h"
+#include "server/aura/aura_box.h"
 #include "server/aura/aura_capsule.h"
 #include "server/aura/aura_radius.h"
-#include "server/aura/box_rows.h"
 #include "server/aura/migration_mode.h"
 #include "server/aura/partition_map.h"
 #include "server/base/ids.h"

@@ -120,6 +120,8 @@ int run(Options& o) {
           fmt::format("--only knows fig5, fig7, latency, tolerances and weak, not {}", word));
     o.plan.only.push_back(*study);
   }
+  if (plan_of(o.plan).empty())
+    return complain(exit_usage, "the plan has no runs with so many servers in what --only names");
   if (const auto found = find_gnuplot(); !found) return complain(exit_usage, found.error().message);
   if (o.plots_only && !std::filesystem::is_directory(std::filesystem::path(o.out) / "runs"))
     return complain(exit_usage,
@@ -172,7 +174,7 @@ void add_experiment_figures(CLI::App& experiment, int& exit_code) {
       ->delimiter(',');
   command
       ->add_option("--servers", o->plan.servers,
-                   "Only runs with these numbers of servers: 1,2,4,10")
+                   "Make only runs with these numbers of servers: 1,2,4,10")
       ->delimiter(',')
       ->check(CLI::Range(1, 64));
   command->add_flag("--quick", o->plan.quick, "Fewer and shorter runs, each once");
@@ -182,7 +184,9 @@ void add_experiment_figures(CLI::App& experiment, int& exit_code) {
       ->add_option("--rate", o->plan.rate_per_s,
                    "Bodies a second in every run, not the plan's; on grids for every 4 servers")
       ->check(CLI::Range(1.0, 600.0));
-  command->add_option("--repeat", o->plan.repeats, "Repeats of every run, not the plan's")
+  command
+      ->add_option("--repeat", o->plan.repeats,
+                   "Repeats, not the plan's, of every run but those of `paper` in fig5 and fig7")
       ->check(CLI::Range(1, 100));
   command->add_option("--seed", o->plan.seed, "Of bodies and network")->capture_default_str();
   command

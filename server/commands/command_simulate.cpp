@@ -263,8 +263,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
       "tick.");
   const auto o = std::make_shared<SimulateOptions>();
   command
-      ->add_option("--layout", o->layout,
-                   "column2, column4, corner3, corner4, corner9, or a world file or its shipped name")
+      ->add_option("--layout", o->layout, layout_names() + ", or a world file or its shipped name")
       ->capture_default_str();
   command->add_option("--mode", o->mode, "Which bodies are hosted where")
       ->capture_default_str()

@@ -11,6 +11,7 @@
 #include "server/experiment/oracles/oracle_rest.h"
 #include "server/experiment/run_moment.h"
 #include "server/worlds/injector.h"
+#include "server/worlds/region_tiling.h"
 
 namespace aureole {
 namespace {

@@ -6,6 +6,7 @@
 #include "server/base/hash.h"
 #include "server/experiment/scenario/scenario.h"
 #include "server/worlds/injector.h"
+#include "server/worlds/region_tiling.h"
 
 namespace aureole {
 

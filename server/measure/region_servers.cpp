@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "server/base/hash.h"
+#include "server/worlds/region_tiling.h"
 
 namespace aureole {
 

@@ -29,7 +29,7 @@ struct ExperimentRecord {
   const RunRecord& own() const { return runs.at(options.mode); }
 };
 
-/// docs/experiments.md says what is in it.
+/// docs/experiment-command.md says what is in it.
 nlohmann::json report_of(const ExperimentRecord& record);
 
 }  // namespace aureole

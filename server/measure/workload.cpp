@@ -6,6 +6,7 @@
 
 #include "server/experiment/random.h"
 #include "server/experiment/scenario/scenario.h"
+#include "server/worlds/region_tiling.h"
 
 namespace aureole {
 namespace {

@@ -231,6 +231,16 @@ bool AuraExchange::has_heard(RegionId id) const {
   return it != peers_.end() && it->second.heard;
 }
 
+bool AuraExchange::tells(RegionId id) const {
+  const auto it = peers_.find(id);
+  return it != peers_.end() && !it->second.projected.empty();
+}
+
+bool AuraExchange::hears_of(RegionId id) const {
+  const auto it = peers_.find(id);
+  return it != peers_.end() && !it->second.theirs.empty();
+}
+
 std::vector<RestingNews> AuraExchange::take_resting_news() {
   return std::exchange(resting_news_, {});
 }

@@ -65,6 +65,11 @@ class AuraExchange {
   std::span<const RemoteAura> remote() const { return remote_; }
   /// Whether the peer has told what it projects since its link came up.
   bool has_heard(RegionId peer) const;
+  /// Whether auras of ours are known to the peer, as far as we have told it.
+  bool tells(RegionId peer) const;
+  /// Whether auras of the peer's are known to us. What is told and heard of travels in order: both
+  /// ends find the same at the same message.
+  bool hears_of(RegionId peer) const;
   /// Whether anything was heard, or a link came or went, since the last announce().
   bool has_changed() const { return changed_; }
 

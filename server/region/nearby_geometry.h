@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "server/aura/box_rows.h"
+#include "server/aura/aura_box.h"
 #include "server/aura/migration_policy.h"
 #include "server/physics/body.h"
 

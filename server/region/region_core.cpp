@@ -7,15 +7,10 @@
 #include "server/base/check.h"
 #include "server/base/hash.h"
 #include "server/region/signs_of_life.h"
+#include "server/worlds/region_tiling.h"
 
 namespace aureole {
 namespace {
-
-PartitionMap partition_of(const WorldDefinition& world) {
-  std::vector<Rectangle> areas;
-  for (const auto& region : world.regions) areas.push_back(region.area);
-  return PartitionMap(std::move(areas));
-}
 
 /// Messages of one kind that wait for the next step; far more than honest peers send in one.
 constexpr std::size_t queue_max = 65'536;
@@ -151,6 +146,10 @@ Status RegionCore::receive(PeerId from, const Frame& frame) {
                                          hosting_.definitions().size(), map_.size());
       if (!told) return told.error();
       tolerances_.heard(from.as_region(), *told);
+      if (peer.word_every_ticks > 1)
+        tolerances_.expect_word(from.as_region(), aura_exchange_.hears_of(from.as_region())
+                                                      ? 1
+                                                      : peer.word_every_ticks);
       return Ok{};
     }
     case FrameType::region_status: {

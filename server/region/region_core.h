@@ -233,8 +233,9 @@ class RegionCore {
   std::vector<RemoteAura> remote_auras_;  ///< Of bodies that are not hosted here.
   PlayerOutput player_output_;
   std::vector<Outgoing> outbox_;
-  std::vector<std::uint64_t> injected_;  ///< For each injector, how many it had made.
-  std::vector<bool> may_inject_here_;    ///< The same: whether any of its volume is in our region.
+  /// For each injector, how many it had made; not counted if it may not inject here.
+  std::vector<std::uint64_t> injected_;
+  std::vector<bool> may_inject_here_;  ///< For each: whether any of its volume is in our region.
   Tick last_tick_;
   Tick last_decision_{-decision_interval_ticks};
   std::uint64_t changes_at_decision_ = 0;

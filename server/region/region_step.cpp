@@ -342,7 +342,8 @@ void RegionCore::publish(Tick now, const SharedBytes& update, const ShellMeasure
       peer.asked_round = 0;
       if (SharedBytes auras = aura_exchange_.take_frame(id.as_region())) {
         outbox_.push_back({id, std::move(auras)});
-      } else if (!started_ || is_word_due(last_tick_, now, peer.word_every_ticks)) {
+      } else if (!started_ || is_word_due(last_tick_, now, peer.word_every_ticks) ||
+                 aura_exchange_.tells(id.as_region())) {
         if (!sign_of_life) sign_of_life = AuraExchange::sign_of_life(now);
         outbox_.push_back({id, sign_of_life});
       }

@@ -9,10 +9,12 @@
 namespace aureole {
 
 /// Regions are far from each other if nothing gets from one to the other within so long, at the
-/// speed tolerance (s). Of what happens there, somebody in between hears first.
+/// speed tolerance (s). Somebody in between hears first of what happens there; and as long as one
+/// of two servers tells the other of auras, since bodies are hosted far from home, a word goes with
+/// every step all the same.
 inline constexpr double far_apart_s = 2.0;
 /// Between two words to a region that is far away (ticks). With 64 regions, words in every step
-/// would be a twentieth of a step.
+/// were about a twentieth of a step.
 inline constexpr std::int64_t far_word_interval_ticks = 8;
 
 /// In every how many ticks at least two servers hear from each other. Both ends find the same.

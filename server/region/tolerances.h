@@ -58,7 +58,8 @@ class Tolerances {
   /// The longest estimate of any link; 0 while nothing has been measured.
   double longest_latency_ms() const;
 
-  /// The peer says something in one of so many steps at least; 1 until this is called.
+  /// From its newest word on the peer says something in one of so many steps at least; 1 until this
+  /// is called.
   void expect_word(RegionId peer, std::int64_t every_ticks);
   void link_up(RegionId peer);
   void link_down(RegionId peer);

@@ -53,6 +53,12 @@ std::pair<int, int> columns_and_rows(int count) {
 
 }  // namespace
 
+PartitionMap partition_of(const WorldDefinition& world) {
+  std::vector<Rectangle> areas;
+  for (const RegionDefinition& region : world.regions) areas.push_back(region.area);
+  return PartitionMap(std::move(areas));
+}
+
 std::optional<std::string> tiling_mistake(const std::vector<RegionDefinition>& regions) {
   const std::vector<double> xs = sorted_sides(regions, true), zs = sorted_sides(regions, false);
   for (std::size_t i = 0; i + 1 < xs.size(); ++i) {

@@ -1,4 +1,5 @@
-// Do rectangles tile the plane, are they wide enough, and how is an extent split into n of them?
+// The regions of a world: do they tile the plane, are they wide enough, how is an extent split?
+// extent split into n of them?
 #pragma once
 
 #include <optional>
@@ -10,6 +11,8 @@
 namespace aureole {
 
 inline constexpr int regions_max = 64;
+
+PartitionMap partition_of(const WorldDefinition& world);
 
 /// A sentence naming the first overlap or gap, nothing if every point of the plane is in exactly
 /// one region. Exact: the sides cut the plane into cells, and each cell, the infinite outer ones

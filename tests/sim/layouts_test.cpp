@@ -36,7 +36,8 @@ std::string told(const SeedResult& result) {
 }  // namespace
 
 TEST_CASE("without faults every layout holds every rule: pours, flights, rows, players") {
-  for (const std::string layout : {"column2", "column4", "corner3", "corner4", "corner9"}) {
+  for (const std::string layout :
+       {"column2", "column4", "column6", "corner3", "corner4", "corner9"}) {
     std::vector<double> jumps_mm;
     std::set<std::string> kinds;
     for (std::uint64_t seed : {2, 3, 5, 7}) {
@@ -58,12 +59,11 @@ TEST_CASE("without faults every layout holds every rule: pours, flights, rows, p
 }
 
 TEST_CASE("under stalls, resets, slow servers and crashes every layout holds every rule") {
-  // Two kinds of scenario a layout, and each kind on two of them.
-  const Seeds all[] = {{"column2", {{2, "pour"}, {3, "rows"}}},
-                       {"column4", {{2, "pour"}, {7, "flights"}}},
-                       {"corner3", {{3, "rows"}, {5, "players"}}},
-                       {"corner4", {{1, "flights"}, {5, "players"}}},
-                       {"corner9", {{2, "pour"}, {3, "rows"}}}};
+  // Two kinds of scenario a layout, and each kind on two of them at least.
+  const Seeds all[] = {
+      {"column2", {{2, "pour"}, {3, "rows"}}},       {"column4", {{2, "pour"}, {7, "flights"}}},
+      {"column6", {{2, "pour"}, {5, "players"}}},    {"corner3", {{3, "rows"}, {5, "players"}}},
+      {"corner4", {{1, "flights"}, {5, "players"}}}, {"corner9", {{2, "pour"}, {3, "rows"}}}};
   for (const auto& [layout, kinds] : all) {
     for (const auto& [seed, kind] : kinds) {
       const SeedResult result = run(layout, MigrationMode::adaptive, seed, FaultKinds::all);

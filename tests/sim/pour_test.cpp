@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/experiment/simulation.h"
+#include "server/worlds/region_tiling.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;

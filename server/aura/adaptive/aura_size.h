@@ -1,8 +1,8 @@
 // How far each body reaches in the adaptive mode: by what it can really do in the time that counts.
 #pragma once
 
+#include "server/aura/aura_box.h"
 #include "server/aura/aura_radius.h"
-#include "server/aura/box_rows.h"
 #include "server/aura/migration_policy.h"
 
 namespace aureole {
@@ -37,7 +37,15 @@ inline std::int64_t reach_ticks(const AuraTolerances& tolerances) {
          static_cast<std::int64_t>(steps_in_flight(tolerances)) + spare_ticks;
 }
 
-/// The same (s).
+/// How long before it happens a blast is told of: one flight until all have heard, then the reach
+/// time, to bring together whom it will throw. Nobody has asked for any of them before, so that
+/// none is refused and there is nothing to spare.
+inline std::int64_t blast_lead_ticks(const AuraTolerances& tolerances) {
+  return static_cast<std::int64_t>(steps_in_flight(tolerances)) + reach_ticks(tolerances) -
+         spare_ticks;
+}
+
+/// The reach time (s).
 inline double reach_time_s(const AuraTolerances& tolerances) {
   return static_cast<double>(reach_ticks(tolerances)) * (tick_us / 1e6);
 }

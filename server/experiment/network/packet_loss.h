@@ -14,7 +14,7 @@ namespace aureole {
 ///  - The sender knows that a segment is lost when something that it sent later has been
 ///    acknowledged, and a quarter of a round trip has passed in which it might just have been
 ///    overtaken: 5/4 round trips after the later one left (fast retransmit by time; RFC 8985).
-///    Servers send in each tick, so that something follows within 16 ms.
+///    Servers near each other send in each tick, so that something follows within 16 ms.
 ///  - If nothing follows, and whenever what was sent again is lost too, the retransmission timer
 ///    ends it: a round trip and 200 ms, the least that Linux allows for the variance; twice as
 ///    long each time (RFC 6298).

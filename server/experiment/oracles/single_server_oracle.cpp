@@ -9,6 +9,7 @@
 #include "server/experiment/oracles/film.h"
 #include "server/experiment/oracles/oracle_ownership.h"
 #include "server/experiment/scenario/scenario.h"
+#include "server/worlds/region_tiling.h"
 
 namespace aureole {
 namespace {

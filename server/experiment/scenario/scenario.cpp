@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "server/experiment/random.h"
+#include "server/worlds/region_tiling.h"
 #include "server/worlds/world_file.h"
 
 namespace aureole {
@@ -223,6 +225,8 @@ Result<Scenario> make_scenario(const ScenarioOptions& options) {
     Author(scenario, options).write();
   } else {
     auto world = load_world(options.layout);
+    if (!world && !std::filesystem::exists(options.layout))
+      return Error::format("{}; built-in layouts are {}", world.error().message, layout_names());
     if (!world) return world.error();
     scenario.world = std::move(*world);
     scenario.kind = "file";

@@ -13,7 +13,7 @@
 namespace aureole {
 
 struct ScenarioOptions {
-  /// column2, column4, corner3, corner4, corner9, or a world file.
+  /// One of layout_names(), or a world file.
   std::string layout = "corner4";
   MigrationMode mode = MigrationMode::adaptive;
   std::uint64_t seed = 1;
@@ -34,11 +34,14 @@ struct Scenario {
 Result<Scenario> make_scenario(const ScenarioOptions& options);
 
 bool is_layout(std::string_view name);
+/// All of them: "column2, column4 …".
+std::string layout_names();
 /// Equal squares around the origin, row by row; the outermost ones have no end.
 std::vector<RegionDefinition> grid_of_regions(int columns, int rows, double region_m);
 /// Fig. 6: two squares above, one of both widths below; they meet at a T.
 std::vector<RegionDefinition> three_at_a_corner(double region_m);
-/// The empty world of a built-in layout: ground, prototypes, regions of 32 m, one spawn point.
+/// The empty world of a built-in layout (is_layout()): ground, prototypes, regions of 32 m, one
+/// spawn point.
 WorldDefinition layout_world(std::string_view name);
 
 /// Prototypes of the built-in layouts; the first three are those of the paper's workload.
@@ -52,7 +55,6 @@ struct BoundarySpot {
 };
 /// Corners first, then the middles of all boundaries; infinite ones are taken up to `reach_m`.
 std::vector<BoundarySpot> boundary_spots(const PartitionMap& map, double reach_m);
-PartitionMap partition_of(const WorldDefinition& world);
 
 /// Adds a body at rest or moving; returns its id.
 BodyId put_body(WorldDefinition& world, PrototypeId prototype, WorldPosition at,

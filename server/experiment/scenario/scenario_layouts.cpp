@@ -1,8 +1,11 @@
 // The built-in layouts: small regions with the boundaries of the paper's experiments.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
 
+#include "server/base/check.h"
 #include "server/experiment/scenario/scenario.h"
 
 namespace aureole {
@@ -10,6 +13,21 @@ namespace {
 
 /// Of one region (m): far wider than four aura radii, small enough that bodies get about.
 constexpr double layout_region_m = 32;
+
+struct Layout {
+  std::string_view name;
+  int columns = 0, rows = 0;
+  bool tee = false;  ///< Three that meet at a T.
+};
+/// The first and the last of six columns are far apart (signs_of_life.h).
+constexpr Layout layouts[] = {{"column2", 2, 1},       {"column4", 4, 1}, {"column6", 6, 1},
+                              {"corner3", 0, 0, true}, {"corner4", 2, 2}, {"corner9", 3, 3}};
+
+const Layout* layout_named(std::string_view name) {
+  const auto* const found = std::find_if(std::begin(layouts), std::end(layouts),
+                                         [&](const Layout& layout) { return layout.name == name; });
+  return found == std::end(layouts) ? nullptr : found;
+}
 
 Prototype prototype(std::string name, Shape shape, float mass_kg) {
   Prototype p;
@@ -46,18 +64,23 @@ std::vector<RegionDefinition> three_at_a_corner(double region_m) {
 }
 
 bool is_layout(std::string_view name) {
-  return name == "column2" || name == "column4" || name == "corner3" || name == "corner4" ||
-         name == "corner9";
+  return layout_named(name) != nullptr;
+}
+
+std::string layout_names() {
+  std::string names;
+  for (const Layout& layout : layouts)
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", layout.name);
+  return names;
 }
 
 WorldDefinition layout_world(std::string_view name) {
   WorldDefinition world;
   world.name = std::string(name);
-  if (name == "column2") world.regions = grid_of_regions(2, 1, layout_region_m);
-  if (name == "column4") world.regions = grid_of_regions(4, 1, layout_region_m);
-  if (name == "corner3") world.regions = three_at_a_corner(layout_region_m);
-  if (name == "corner4") world.regions = grid_of_regions(2, 2, layout_region_m);
-  if (name == "corner9") world.regions = grid_of_regions(3, 3, layout_region_m);
+  const Layout* const layout = layout_named(name);
+  AUREOLE_CHECK(layout != nullptr, "a layout's name is looked at before");
+  world.regions = layout->tee ? three_at_a_corner(layout_region_m)
+                              : grid_of_regions(layout->columns, layout->rows, layout_region_m);
   // A heap of 300 comes to rest within 18 s of a run that pours for 7 s (half a minute with the
   // speeds that worlds have by default, measured), so that the end of a run can be judged.
   world.physics.sleep_linear_speed = 0.4f;
@@ -82,19 +105,13 @@ WorldDefinition layout_world(std::string_view name) {
   return world;
 }
 
-PartitionMap partition_of(const WorldDefinition& world) {
-  std::vector<Rectangle> areas;
-  for (const auto& region : world.regions) areas.push_back(region.area);
-  return PartitionMap(std::move(areas));
-}
-
 std::vector<BoundarySpot> boundary_spots(const PartitionMap& map, double reach_m) {
   std::set<std::pair<double, double>> corners;
   std::vector<BoundarySpot> middles;
   for (const BoundarySegment& s : map.boundaries()) {
     for (const auto& [x, z] : {std::pair(s.from_x, s.from_z), std::pair(s.to_x, s.to_z)})
       if (std::isfinite(x) && std::isfinite(z)) corners.insert({x, z});
-    const auto within = [&](double v) { return std::clamp(v, -reach_m, reach_m); };
+    const auto within = [&](double v) { return std::isfinite(v) ? v : std::copysign(reach_m, v); };
     middles.push_back(
         {(within(s.from_x) + within(s.to_x)) / 2, (within(s.from_z) + within(s.to_z)) / 2, false});
   }

@@ -53,6 +53,7 @@ void add_efficiency_figure(const StudyRuns& columns, const StudyRuns& corners,
         curve.dash = ideal ? Dash::dashed : Dash::solid;
         curve.mark = mark_of(mode);
         for (const int servers : runs->server_counts(mode)) {
+          if (!runs->find(mode, servers)->plan.references) continue;
           const auto value =
               number_at(runs->find(mode, servers)->report,
                         ideal ? "last_10_s/efficiency_ideal" : "last_10_s/efficiency");

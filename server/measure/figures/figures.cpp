@@ -11,18 +11,40 @@
 namespace aureole {
 namespace {
 
-using Setting = std::tuple<double, double, int, std::uint64_t>;
+/// What all runs of a figure must have in common.
+using Setting = std::tuple<double, double, std::uint64_t>;
 
 Setting setting_of(const PlannedRun& run) {
-  return {run.seconds, run.rate_per_s, run.repeats, run.seed};
+  return {run.seconds, run.rate_per_s, run.seed};
 }
 
-std::string in_words(const PlannedRun& run) {
-  return fmt::format(
-      "{:g} s at {:g} bodies/s{}, {}, seed {}", run.seconds, run.rate_per_s,
-      run.study == Study::weak ? " for every 4 servers" : "",
-      run.repeats == 1 ? std::string("run once") : fmt::format("mean of {} repeats", run.repeats),
-      run.seed);
+/// The one with the largest count; of several the largest.
+template <class Key>
+Key most_common(const std::map<Key, std::size_t>& counts) {
+  const auto most = std::max_element(counts.begin(), counts.end(), [](auto& a, auto& b) {
+    return std::tie(a.second, a.first) < std::tie(b.second, b.first);
+  });
+  return most->first;
+}
+
+std::string in_words(int repeats) {
+  return repeats == 1 ? std::string("run once") : fmt::format("mean of {} repeats", repeats);
+}
+
+std::string in_words(const PlannedRun& run, const std::string& repeats) {
+  return fmt::format("{:g} s at {:g} bodies/s{}, {}, seed {}", run.seconds, run.rate_per_s,
+                     run.study == Study::weak ? " for every 4 servers" : "", repeats, run.seed);
+}
+
+/// By mode, since what is asked of maxima is asked of one of them only.
+std::string in_words(const std::map<std::string, int>& repeats) {
+  std::set<int> different;
+  std::string all;
+  for (const auto& [mode, count] : repeats) {
+    different.insert(count);
+    all += fmt::format("{}{}: {}", all.empty() ? "" : ", ", mode, in_words(count));
+  }
+  return different.size() == 1 ? in_words(*different.begin()) : all;
 }
 
 }  // namespace
@@ -47,22 +69,26 @@ StudyRuns runs_of(Study study, const std::vector<FinishedRun>& runs,
     if (run.plan.study == study) ++settings[setting_of(run.plan)];
   StudyRuns chosen;
   if (settings.empty()) return chosen;
-  // Of equally many the longer ones.
-  const auto most =
-      std::max_element(settings.begin(), settings.end(), [](const auto& a, const auto& b) {
-        return std::tie(a.second, a.first) < std::tie(b.second, b.first);
-      });
+  const Setting setting = most_common(settings);
+  std::map<std::string, std::map<int, std::size_t>> counts;  // Of repeats, by mode.
+  for (const FinishedRun& run : runs)
+    if (run.plan.study == study && setting_of(run.plan) == setting)
+      ++counts[run.plan.mode][run.plan.repeats];
+  std::map<std::string, int> repeats;
+  for (const auto& [mode, of_mode] : counts) repeats[mode] = most_common(of_mode);
+  const auto belongs = [&](const PlannedRun& plan) {
+    return setting_of(plan) == setting && plan.repeats == repeats.at(plan.mode);
+  };
   for (const FinishedRun& run : runs) {
-    if (run.plan.study != study) continue;
-    if (setting_of(run.plan) == most->first) {
-      chosen.runs.push_back(&run);
-      chosen.setting = in_words(run.plan);
-    }
+    if (run.plan.study != study || !belongs(run.plan)) continue;
+    chosen.runs.push_back(&run);
+    chosen.setting = in_words(run.plan, in_words(repeats));
   }
   for (const FinishedRun& run : runs)
-    if (run.plan.study == study && setting_of(run.plan) != most->first)
+    if (run.plan.study == study && !belongs(run.plan))
       notes.push_back(fmt::format("{} is left out: it is {}, most of {} are {}", run.plan.name(),
-                                  in_words(run.plan), word_of(study), chosen.setting));
+                                  in_words(run.plan, in_words(run.plan.repeats)), word_of(study),
+                                  chosen.setting));
   return chosen;
 }
 

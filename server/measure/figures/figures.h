@@ -21,8 +21,8 @@ struct StudyRuns {
   std::vector<int> server_counts(const std::string& mode) const;
 };
 
-/// A figure has the same workload in all of its runs: those that differ from most in seconds, rate,
-/// repeats or seed are left out, with a sentence in `notes`.
+/// A figure has the same workload in all of its runs: those that differ from most in seconds, rate
+/// or seed, or from most of their mode in repeats, are left out, with a sentence in `notes`.
 StudyRuns runs_of(Study study, const std::vector<FinishedRun>& runs,
                   std::vector<std::string>& notes);
 

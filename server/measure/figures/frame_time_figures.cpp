@@ -51,8 +51,9 @@ void add_frame_time_figure(Study study, const StudyRuns& runs, std::vector<Figur
     for (std::size_t n = 0; n < counts.size(); ++n) {
       const FinishedRun& run = *runs.find(columns[i].mode, counts[n]);
       Curve curve;
-      curve.points =
-          points_of(by_bucket(buckets_of(run.report, columns[i].reference), "max_frame_ms"), true);
+      // One server is its own ideal.
+      const char* const source = run.plan.references ? columns[i].reference : "";
+      curve.points = points_of(by_bucket(buckets_of(run.report, source), "max_frame_ms"), true);
       curve.colour = ordered_colour(n, counts.size());
       curve.label = std::to_string(counts[n]);
       for (const auto& [t_s, ms] : curve.points) {

@@ -74,8 +74,8 @@ struct PlanOptions {
   std::vector<Study> only;  ///< Empty: all.
   bool quick = false;       ///< About half an hour on two cores: fewer and shorter runs, once each.
   std::optional<double> seconds, rate_per_s;  ///< Instead of the plan's.
-  std::optional<int> repeats;
-  std::vector<int> servers;  ///< Of the plan's numbers of servers; empty: all.
+  std::optional<int> repeats;                 ///< The same, but for what runs once in any case.
+  std::vector<int> servers;                   ///< Of the plan's numbers of servers; empty: all.
   std::uint64_t seed = 1;
 };
 

@@ -21,10 +21,8 @@ Players::Players(const WorldDefinition& world, const PartitionMap& map, RegionId
       self_(self),
       hosting_(hosting),
       half_height_(avatar_half_height(world.prototypes[world.avatar.value].body)),
-      // What players do is sudden: it takes effect ahead, at the same tick on all servers. The
-      // reach time begins when all have heard of it, one flight later.
-      blast_lead_ticks_(static_cast<std::int64_t>(steps_in_flight(world.tolerances)) +
-                        aureole::reach_ticks(world.tolerances) - spare_ticks),
+      // What players do is sudden: it takes effect ahead, at the same tick on all servers.
+      blast_lead_ticks_(blast_lead_ticks(world.tolerances)),
       wind_up_ticks_(std::llround(reach_time_s(world.tolerances) / tick_s)) {}
 
 WorldPosition Players::eye(const Avatar& avatar) const {

@@ -54,7 +54,7 @@ class StandIns {
   /// A stand-in that has become a body (born or claimed here under that name) is one no more.
   void forget_bodies();
 
-  /// All changes to `entries_` go through these two.
+  /// `entries_` and `unvouched_` change together: here and in forget_bodies().
   void note(BodyId id, const Entry& entry);
   void drop(BodyId id);
 

@@ -36,6 +36,11 @@ TEST_CASE("the reach time: until the next decision, then the arbiter hears of it
   CHECK(reach_ticks(slower) == 1 + 4 + 4 + 3 + spare_ticks);
 }
 
+TEST_CASE("a blast is told of a flight before the reach time begins, in which nobody is refused") {
+  CHECK(blast_lead_ticks(AuraTolerances{}) == 2 + 1 + 2 + 2 + 2);
+  CHECK(blast_lead_ticks({32, 10, 15}) == 3 + 1 + 4 + 4 + 3);
+}
+
 TEST_CASE("whoever comes near is told of before the fastest body has come") {
   // One tick until the next decision, two until it is heard there.
   CHECK(visitor_clearance_m(AuraTolerances{}) == Approx(32 * 3 * 0.016));

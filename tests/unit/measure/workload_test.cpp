@@ -7,6 +7,7 @@
 
 #include "server/experiment/scenario/scenario.h"
 #include "server/worlds/injector.h"
+#include "server/worlds/region_tiling.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;

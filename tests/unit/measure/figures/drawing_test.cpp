@@ -141,6 +141,18 @@ TEST_CASE("a point without its number is left out with a sentence, the others ar
                      "efficiency: fig5-column-04-paper has no efficiency, its point is left out"});
 }
 
+TEST_CASE("a figure takes each mode with as many repeats as most of its runs have") {
+  std::vector<std::string> notes;
+  const auto runs = small_runs();
+  const StudyRuns chosen = runs_of(Study::fig5, runs, notes);
+  CHECK(notes.empty());
+  CHECK(chosen.runs.size() == 8);
+  CHECK(chosen.setting ==
+        "20 s at 160 bodies/s, adaptive: mean of 5 repeats, paper: run once, seed 1");
+  CHECK(runs_of(Study::weak, runs, notes).setting ==
+        "20 s at 160 bodies/s for every 4 servers, mean of 5 repeats, seed 1");
+}
+
 TEST_CASE("a figure mixes no runs of different length, rate, repeats or seed") {
   for (const int what : {0, 1, 2, 3}) {
     auto runs = small_runs();
