@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "server/measure/figures/figures.h"
 #include "server/measure/figures/report_values.h"
 #include "server/measure/figures/tables.h"
 
@@ -16,10 +17,12 @@ constexpr double judged_after_s = 10;  ///< The first buckets hold hardly anythi
 
 const FinishedRun* find(const std::vector<FinishedRun>& runs, Study study, const std::string& mode,
                         int servers) {
-  for (const FinishedRun& run : runs)
-    if (run.plan.study == study && run.plan.mode == mode && run.plan.servers == servers)
-      return &run;
-  return nullptr;
+  const FinishedRun* found = nullptr;
+  for (const FinishedRun& run : runs) {
+    if (!is_of(study, run.plan) || run.plan.mode != mode || run.plan.servers != servers) continue;
+    if (found == nullptr || run.plan.study == study) found = &run;
+  }
+  return found;
 }
 
 std::string place(Study study, int servers) {

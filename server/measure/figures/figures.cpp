@@ -62,17 +62,22 @@ std::vector<int> StudyRuns::server_counts(const std::string& mode) const {
   return {counts.begin(), counts.end()};
 }
 
+bool is_of(Study study, const PlannedRun& run) {
+  const auto is_figure = [](Study s) { return s == Study::fig5 || s == Study::fig7; };
+  return run.study == study || (run.servers == 1 && is_figure(study) && is_figure(run.study));
+}
+
 StudyRuns runs_of(Study study, const std::vector<FinishedRun>& runs,
                   std::vector<std::string>& notes) {
   std::map<Setting, std::size_t> settings;
   for (const FinishedRun& run : runs)
-    if (run.plan.study == study) ++settings[setting_of(run.plan)];
+    if (is_of(study, run.plan)) ++settings[setting_of(run.plan)];
   StudyRuns chosen;
   if (settings.empty()) return chosen;
   const Setting setting = most_common(settings);
   std::map<std::string, std::map<int, std::size_t>> counts;  // Of repeats, by mode.
   for (const FinishedRun& run : runs)
-    if (run.plan.study == study && setting_of(run.plan) == setting)
+    if (is_of(study, run.plan) && setting_of(run.plan) == setting)
       ++counts[run.plan.mode][run.plan.repeats];
   std::map<std::string, int> repeats;
   for (const auto& [mode, of_mode] : counts) repeats[mode] = most_common(of_mode);
@@ -80,8 +85,17 @@ StudyRuns runs_of(Study study, const std::vector<FinishedRun>& runs,
     return setting_of(plan) == setting && plan.repeats == repeats.at(plan.mode);
   };
   for (const FinishedRun& run : runs) {
-    if (run.plan.study != study || !belongs(run.plan)) continue;
-    chosen.runs.push_back(&run);
+    if (!is_of(study, run.plan) || !belongs(run.plan)) continue;
+    // Of two of one server the one that was made for this study.
+    const auto same =
+        std::find_if(chosen.runs.begin(), chosen.runs.end(), [&](const FinishedRun* other) {
+          return run.plan.servers == 1 && other->plan.servers == 1 &&
+                 other->plan.mode == run.plan.mode;
+        });
+    if (same == chosen.runs.end())
+      chosen.runs.push_back(&run);
+    else if (run.plan.study == study)
+      *same = &run;
     chosen.setting = in_words(run.plan, in_words(repeats));
   }
   for (const FinishedRun& run : runs)

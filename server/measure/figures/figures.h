@@ -21,6 +21,10 @@ struct StudyRuns {
   std::vector<int> server_counts(const std::string& mode) const;
 };
 
+/// Whether a run belongs to a study: it was made for it, or it is one of a single server, which is
+/// the same run for columns and corners, and may have been made for either.
+bool is_of(Study study, const PlannedRun& run);
+
 /// A figure has the same workload in all of its runs: those that differ from most in seconds, rate
 /// or seed, or from most of their mode in repeats, are left out, with a sentence in `notes`.
 StudyRuns runs_of(Study study, const std::vector<FinishedRun>& runs,

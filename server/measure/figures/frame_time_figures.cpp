@@ -40,9 +40,7 @@ void add_frame_time_figure(Study study, const StudyRuns& runs, std::vector<Figur
   sheet.title = fmt::format("Longest frame of any server, {} ({} of the paper, redrawn)",
                             study == Study::fig5 ? "columns" : "corners",
                             study == Study::fig5 ? "Fig. 5" : "Fig. 7");
-  sheet.subtitle =
-      runs.setting +
-      "; maximum in each 5 s; a curve for each number of servers; thin: one step, 16 ms";
+  sheet.subtitle = runs.setting + "; maxima of 5 s by number of servers; thin: one step, 16 ms";
   double smallest = 1e9, largest = 0, seconds = 0;
   for (std::size_t i = 0; i < std::size(columns); ++i) {
     const auto counts = runs.server_counts(columns[i].mode);

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "server/measure/figures/figures.h"
+#include "server/measure/figures/tables.h"
 #include "server/ops/snapshot_file.h"
 #include "tests/support/catch.h"
 #include "tests/unit/measure/figures/small_runs.h"
@@ -151,6 +152,32 @@ TEST_CASE("a figure takes each mode with as many repeats as most of its runs hav
         "20 s at 160 bodies/s, adaptive: mean of 5 repeats, paper: run once, seed 1");
   CHECK(runs_of(Study::weak, runs, notes).setting ==
         "20 s at 160 bodies/s for every 4 servers, mean of 5 repeats, seed 1");
+}
+
+TEST_CASE("one server is the same run for columns and corners, and made for either") {
+  for (const Study missing : {Study::fig5, Study::fig7}) {
+    auto runs = small_runs();
+    std::erase_if(runs, [&](const FinishedRun& run) {
+      return run.plan.study == missing && run.plan.servers == 1;
+    });
+    std::vector<std::string> notes;
+    const StudyRuns chosen = runs_of(missing, runs, notes);
+    CHECK(notes.empty());
+    for (const char* mode : {"adaptive", "paper"}) {
+      const FinishedRun* one = chosen.find(mode, 1);
+      REQUIRE(one != nullptr);
+      CHECK(one->plan.study != missing);
+    }
+    const auto bars = bars_of(runs);
+    CHECK(std::none_of(bars.begin(), bars.end(), [](const BarResult& bar) {
+      return bar.bar.find(" 1 → ") != std::string::npos && bar.verdict == Verdict::unknown;
+    }));
+  }
+  std::vector<std::string> notes;
+  const auto runs = small_runs();
+  const StudyRuns corners = runs_of(Study::fig7, runs, notes);
+  CHECK(corners.runs.size() == 6);
+  for (const FinishedRun* run : corners.runs) CHECK(run->plan.study == Study::fig7);
 }
 
 TEST_CASE("a figure mixes no runs of different length, rate, repeats or seed") {

@@ -65,7 +65,8 @@ TEST_CASE("the plan has the server counts of the paper, ours five times, and all
   const auto plan = plan_of({});
   for (const std::string mode : {"paper", "adaptive"}) {
     CHECK(servers_in(plan, Study::fig5, mode) == std::set<int>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10});
-    CHECK(servers_in(plan, Study::fig7, mode) == std::set<int>{1, 3, 4, 9});
+    // One server is the same run for both.
+    CHECK(servers_in(plan, Study::fig7, mode) == std::set<int>{3, 4, 9});
   }
   CHECK(servers_in(plan, Study::weak, "adaptive") == std::set<int>{4, 16, 64});
   for (const PlannedRun& run : plan)
@@ -114,7 +115,7 @@ TEST_CASE("seconds, rate, repeats, seed and studies can be chosen") {
   options.repeats = 2;
   options.seed = 9;
   const auto plan = plan_of(options);
-  CHECK(plan.size() == 11);
+  CHECK(plan.size() == 9);
   for (const PlannedRun& run : plan) {
     CHECK((run.study == Study::fig7 || run.study == Study::weak));
     CHECK(run.seconds == 5);
