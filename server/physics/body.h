@@ -86,4 +86,12 @@ struct ContactManifold {
   std::vector<ContactPoint> points;  ///< 1 … 4
 };
 
+/// What a body of this world presses on a stand-in with.
+struct StandInLoad {
+  BodyId stand_in;
+  BodyId body;
+  float impulse_ns = 0;  ///< Sum along the normals over all points of the last step (N s).
+  friend bool operator==(const StandInLoad&, const StandInLoad&) = default;
+};
+
 }  // namespace aureole

@@ -103,8 +103,7 @@ NewBody PhysicsWorld::stand_in(BodyId id) const {
 }
 
 void PhysicsWorld::stand_in_loads(std::vector<StandInLoad>& out) const {
-  const std::vector<StandInLoad>& loads = impl_->survey().loads;
-  out.insert(out.end(), loads.begin(), loads.end());
+  for (const BulletBody* stand_in : impl_->stand_ins.bodies) append_loads(*stand_in, out);
 }
 
 }  // namespace aureole

@@ -72,8 +72,9 @@ std::vector<BodyId> PhysicsWorld::touching(BodyId id) const {
   return bodies_touching(impl_->world, impl_->body_or_stand_in(id));
 }
 
-void PhysicsWorld::contact_graph(ContactGraph& graph) const {
-  graph.assign(impl_->by_slot.size(), impl_->survey().edges);
+std::size_t PhysicsWorld::find_touching(std::uint32_t slot,
+                                        std::vector<std::uint32_t>& found) const {
+  return aureole::find_touching(*impl_->by_slot[slot], found);
 }
 
 std::size_t PhysicsWorld::slots() const {
@@ -81,7 +82,7 @@ std::size_t PhysicsWorld::slots() const {
 }
 
 BodyId PhysicsWorld::body_in_slot(std::uint32_t slot) const {
-  return impl_->by_slot[slot];
+  return impl_->by_slot[slot]->id;
 }
 
 bool PhysicsWorld::is_supported(BodyId id, float min_up) const {

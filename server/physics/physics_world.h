@@ -11,7 +11,6 @@
 
 #include "server/base/ids.h"
 #include "server/physics/body.h"
-#include "server/physics/contact_graph.h"
 
 namespace aureole {
 
@@ -94,7 +93,7 @@ class PhysicsWorld {
   /// comes, the contacts that others have with it are kept with their impulses.
   void add(std::span<const NewBody> bodies);
   /// Looks at the pairs of bodies that came asleep, which a step would not do before they wake:
-  /// contact_graph() then knows what they touch.
+  /// find_touching() then knows what they touch.
   void find_contacts(std::span<const BodyId> sleepers);
   /// Removes bodies with their pairs in one pass.
   void remove(std::span<const BodyId> ids, Wake wake = Wake::touching);
@@ -129,11 +128,12 @@ class PhysicsWorld {
   /// the smaller id, it is a. `group` may name stand-ins.
   std::vector<ContactManifold> contacts_around(std::span<const BodyId> group) const;
   /// Bodies and stand-ins that share at least one contact point with `id` (a body or a stand-in);
-  /// sorted. For one question; who asks about many takes contact_graph().
+  /// sorted. For one question; who asks about many takes find_touching().
   std::vector<BodyId> touching(BodyId id) const;
-  /// Who touches whom, the sleeping ones included: bodies by their slots (BodyGlance::slot()),
-  /// stand-ins as outsiders.
-  void contact_graph(ContactGraph& graph) const;
+  /// Replaces `found` by the slots (BodyGlance::slot()) of the bodies, awake or asleep, that share
+  /// at least one contact point with the one in `slot`; ascending. Returns how many it touches,
+  /// stand-ins included, of which a compound may count more than once.
+  std::size_t find_touching(std::uint32_t slot, std::vector<std::uint32_t>& found) const;
   /// The body in a slot that is taken; all slots are below slots().
   BodyId body_in_slot(std::uint32_t slot) const;
   std::size_t slots() const;

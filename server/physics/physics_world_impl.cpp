@@ -91,11 +91,11 @@ BulletBody* PhysicsWorld::Impl::create(const NewBody& body, Role role) {
   BulletBody& made = *place->second;
   if (free_slots.empty()) {
     made.slot = static_cast<std::uint32_t>(by_slot.size());
-    by_slot.push_back(body.id);
+    by_slot.push_back(&made);
   } else {
     made.slot = free_slots.back();
     free_slots.pop_back();
-    by_slot[made.slot] = body.id;
+    by_slot[made.slot] = &made;
   }
   world.insert(made);
   return &made;
@@ -115,13 +115,6 @@ void PhysicsWorld::Impl::destroy(BodyList& list, std::span<BulletBody* const> so
 void PhysicsWorld::Impl::changed() {
   awake_count.reset();
   awake_is_current = false;
-  contacts_are_current = false;
-}
-
-const ContactSurvey& PhysicsWorld::Impl::survey() const {
-  if (!contacts_are_current) survey_contacts(world, contacts);
-  contacts_are_current = true;
-  return contacts;
 }
 
 std::vector<NewBody> sorted_by_id(std::span<const NewBody> bodies) {

@@ -46,22 +46,18 @@ struct PhysicsWorld::Impl {
   void destroy(BodyList& list, std::span<BulletBody* const> sorted, Wake wake);
   /// After anything that may change who touches whom or who is awake.
   void changed();
-  /// Who touches whom now; looked for once between two changes.
-  const ContactSurvey& survey() const;
 
   // Bullet's world knows the bodies and the bodies the shapes: the order below is that of dying.
   std::unique_ptr<ShapeLibrary> own_shapes;  ///< Null in a scratch world.
   std::unordered_map<BodyId, std::unique_ptr<BulletBody>> by_id;
-  std::vector<BodyId> by_slot;
+  std::vector<BulletBody*> by_slot;  ///< Of those that are taken.
   std::vector<std::uint32_t> free_slots;
   BodyList bodies;  ///< Obstacles too.
   BodyList stand_ins;
   mutable BulletWorld world;  ///< Bullet's queries are not const; they change nothing.
   mutable std::optional<std::size_t> awake_count;
   mutable bool awake_is_current = false;
-  mutable AwakeBodies awake;       ///< Kept for its memory.
-  mutable ContactSurvey contacts;  ///< Kept for its memory.
-  mutable bool contacts_are_current = false;
+  mutable AwakeBodies awake;  ///< Kept for its memory.
 };
 
 /// A list of bodies in the order of their ids.

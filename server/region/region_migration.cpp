@@ -10,26 +10,18 @@
 namespace aureole {
 namespace {
 
-/// What the policy may ask of contacts; found out when it first asks.
+/// What the policy may ask of contacts.
 class Touching final : public ContactSource {
  public:
   explicit Touching(const PhysicsWorld& physics) : physics_(physics) {}
   std::size_t find_touching(std::uint32_t slot, std::vector<std::uint32_t>& found) const override {
-    return graph().find_touching(slot, found);
+    return physics_.find_touching(slot, found);
   }
   std::size_t slots() const override { return physics_.slots(); }
   BodyId body_in(std::uint32_t slot) const override { return physics_.body_in_slot(slot); }
 
  private:
-  const ContactGraph& graph() const {
-    if (!known_) physics_.contact_graph(graph_);
-    known_ = true;
-    return graph_;
-  }
-
   const PhysicsWorld& physics_;
-  mutable ContactGraph graph_;
-  mutable bool known_ = false;
 };
 
 /// What the exchange tells of bodies.

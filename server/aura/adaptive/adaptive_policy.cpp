@@ -76,10 +76,10 @@ class AdaptivePolicy final : public MigrationPolicy {
     }
     if (s.now - last_homecoming_ >= homecoming_interval_ticks) {
       last_homecoming_ = s.now;
-      for (const Homecoming::Island& island :
-           homecoming_.islands(s, outlook_, clusters_, contests_))
-        for (const Clusters::Number cluster : island.clusters)
-          send(s, cluster, island.home, leaving);
+      for (const Homecoming::Pocket& pocket :
+           homecoming_.pockets(s, outlook_, clusters_, contests_))
+        for (const Clusters::Number cluster : pocket.clusters)
+          send(s, cluster, pocket.home, leaving);
     }
     MigrationDecision decision;
     for (auto& [to, bodies] : leaving) {

@@ -272,9 +272,12 @@ RegionId Contests::arbitrate(const Contest& contest, RegionId other) const {
   }
   ours /= meeting;
   // Who has changed its owner more often stays.
-  if (our_changes == Company::changes_max) return self;
-  if (their_changes == Company::changes_max) return other;
+  const bool ours_stay = our_changes == Company::changes_max;
+  const bool theirs_stay = their_changes == Company::changes_max;
+  if (ours_stay != theirs_stay) return ours_stay ? self : other;
   if (given) return *given;
+  // Of two that should stay the larger one does.
+  if (ours_stay) return their_weight > our_weight ? other : self;
   if (our_changes != their_changes) return our_changes > their_changes ? self : other;
   const Eigen::Vector3d middle =
       (ours * our_weight + theirs * their_weight) / (our_weight + their_weight);

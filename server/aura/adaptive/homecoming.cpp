@@ -1,4 +1,4 @@
-// Islands, and what holds them back.
+// Pockets, and what holds them back.
 #include "server/aura/adaptive/homecoming.h"
 
 #include <algorithm>
@@ -10,12 +10,21 @@
 namespace aureole {
 namespace {
 
-/// Air that an island needs around it before it goes home (m); more than an aura is rounded by.
-constexpr double island_clearance_m = 0.1;
+/// How near things come before they count as meeting (m): auras travel rounded outwards, and what
+/// leaves with less air around it would be met again from its new home, and fetched back at once.
+constexpr double clearance_m = 0.3;
 
-/// How far from anything that moves, and from its way of the next second, a resting body must be
-/// before it goes home (m).
-constexpr double calm_clearance_m = 1.0;
+/// How far ahead (s). Whoever is met later than this at its new home has to come there, or be
+/// fetched back once: nothing is lost by it, and what would never go home in a layer of bodies
+/// that creep does.
+constexpr double ahead_s = 0.5;
+
+/// What is faster (m/s) may be felt through a heap. Slower things creep about all over a layer of
+/// bodies; what rests would never go home there.
+constexpr double fast_mps = 1.0;
+
+/// What is no further from the ground stands on it (m).
+constexpr double stands_m = 0.03;
 
 /// Whoever has moved or expected a blow stays where it is for so long before it counts as resting
 /// for good and goes home.
@@ -63,155 +72,182 @@ bool Homecoming::is_away(std::uint32_t body) const {
          (outlook_->rests(body) ? resting_hysteresis_m : home_hysteresis_m);
 }
 
-/// Where everything that moves may be within the next second if nothing turns it.
-void Homecoming::find_threats() {
-  threats_.clear();
-  threat_bodies_.clear();
+/// Room for what it may do soon if nothing turns it.
+AuraBox Homecoming::room_of(std::uint32_t body) const {
+  const AuraBox& aura = outlook_->box(body);
+  return outlook_->moves(body) ? joined(aura, way_of(outlook_->body(body), ahead_s)) : aura;
+}
+
+/// Where everything that does not rest may soon be.
+void Homecoming::find_stirrers() {
+  stirrers_.clear();
+  rooms_.clear();
   for (std::uint32_t i = 0; i < outlook_->size(); ++i) {
     if (outlook_->rests(i)) continue;
-    threats_.push_back(outlook_->box(i));
-    if (outlook_->moves(i)) threats_.push_back(way_of(outlook_->body(i), clear_flight_s));
-    threat_bodies_.resize(threats_.size(), i);
+    const bool fast = outlook_->moves(i) && outlook_->body(i).motion_speed_mps > fast_mps;
+    stirrers_.push_back({i, situation_->self, fast});
+    rooms_.push_back(room_of(i));
   }
   for (const RemoteAura& aura : situation_->remote) {
     if (aura.resting) continue;
-    threats_.push_back(aura.room.box());
-    threats_.back().half.array() += aura.speed_mps * clear_flight_s;
+    stirrers_.push_back({others_body, aura.host, aura.speed_mps > fast_mps});
+    rooms_.push_back(aura.room.box());
+    rooms_.back().half.array() += aura.speed_mps * ahead_s;
   }
-  threat_bodies_.resize(threats_.size(), others_body);
-  threat_rows_.build(threats_);
-  calm_.clear();
-  threats_known_ = true;
+  stirrer_rows_.build(rooms_);
+  for (std::vector<Heap>& heaps : heaps_) heaps.clear();
 }
 
-/// Whether nothing that moves is near the body, nor near anything that it leans on through others
-/// that rest: a heap or a row is cut where it has come to rest, not where the next blow is about to
-/// fall.
-bool Homecoming::is_calm(std::uint32_t body) {
-  if (!threats_known_) find_threats();
-  calm_.resize(outlook_->size(), Calm::unknown);
-  if (calm_[body] != Calm::unknown) return calm_[body] == Calm::calm;
-  Calm found_out = Calm::calm;
+/// Whether two that rest and are near each other may carry each other. What stands on the ground
+/// carries itself.
+bool Homecoming::may_lean(std::uint32_t a, std::uint32_t b) const {
+  const auto stands = [&](std::uint32_t body) {
+    return outlook_->body(body).ground_gap_m < stands_m;
+  };
+  return !stands(a) || !stands(b);
+}
+
+/// Whether something soon stirs what the body leans on, through others that rest: a heap is cut
+/// where it has come to rest, not where it still settles or the next blow is about to fall. Fast
+/// blows also go through rows of bodies that only touch.
+bool Homecoming::is_threatened(std::uint32_t body, Link link) {
+  std::vector<Heap>& heaps = heaps_[static_cast<std::size_t>(link)];
+  heaps.resize(outlook_->size(), Heap::unknown);
+  if (heaps[body] != Heap::unknown) return heaps[body] == Heap::threatened;
   std::vector<std::uint32_t> heap{body}, found;
-  calm_[body] = Calm::calm;
-  for (std::size_t k = 0; k < heap.size() && found_out == Calm::calm; ++k) {
-    AuraBox box = outlook_->box(heap[k]);
+  heaps[body] = Heap::calm;
+  bool threatened = false;
+  for (std::size_t k = 0; k < heap.size() && !threatened; ++k) {
     found.clear();
-    outlook_->find(box, found);
-    calm_.resize(outlook_->size(), Calm::unknown);
-    for (std::uint32_t other : found) {
-      if (!outlook_->rests(other)) continue;
-      if (calm_[other] == Calm::threatened) found_out = Calm::threatened;
-      if (calm_[other] != Calm::unknown) continue;
-      calm_[other] = Calm::calm;
+    outlook_->find(outlook_->box(heap[k]), found);
+    heaps.resize(outlook_->size(), Heap::unknown);
+    for (const std::uint32_t other : found) {
+      if (!outlook_->rests(other) || (link == Link::leaning && !may_lean(heap[k], other))) continue;
+      threatened = threatened || heaps[other] == Heap::threatened;
+      if (heaps[other] != Heap::unknown) continue;
+      heaps[other] = Heap::calm;
       heap.push_back(other);
     }
-    box.half.array() += calm_clearance_m;
+    // Whom one meets that hangs together with nobody comes along, or holds it back.
+    if (heap.size() == 1) continue;
+    AuraBox room = outlook_->box(heap[k]);
+    room.half.array() += clearance_m;
     found.clear();
-    threat_rows_.find(box, found);
-    if (!found.empty()) found_out = Calm::threatened;
+    stirrer_rows_.find(room, found);
+    threatened = threatened || std::any_of(found.begin(), found.end(), [&](std::uint32_t stirrer) {
+                   return link == Link::leaning || stirrers_[stirrer].fast;
+                 });
   }
-  for (std::uint32_t member : heap) calm_[member] = found_out;
-  return found_out == Calm::calm;
+  if (threatened)
+    for (const std::uint32_t member : heap) heaps[member] = Heap::threatened;
+  return threatened;
 }
 
-/// Whether the body alone would let its island leave.
+/// Whether the body alone would let its pocket leave.
 bool Homecoming::may_leave(std::uint32_t i, bool contested) {
   const HostedBody& body = outlook_->body(i);
   // Who goes home may be met there at once, and fetched back.
   const std::int64_t stay = nothing_moves_ ? calm_stay_ticks : long_stay_ticks;
   return is_away(i) && !contested && situation_->now - body.changed_owner >= stay &&
-         (!outlook_->rests(i) || (!stirs(body.id) && is_calm(i)));
+         (!outlook_->rests(i) || (!stirs(body.id) && !is_threatened(i, Link::leaning) &&
+                                  !is_threatened(i, Link::touching)));
 }
 
-/// The clusters around a body that are not clear of each other. Auras travel rounded outwards: what
-/// leaves without some air to spare is met again from its new home, and fetched back at once.
-std::set<Clusters::Number> Homecoming::island_of(std::uint32_t body) {
-  std::set<Clusters::Number> island{clusters_->of(body)};
-  std::vector<Clusters::Number> open(island.begin(), island.end());
-  std::vector<std::uint32_t> found;
-  while (!open.empty()) {
-    const auto span = clusters_->members(open.back());
-    const std::vector<std::uint32_t> members(span.begin(), span.end());
-    open.pop_back();
-    for (std::uint32_t member : members) {
-      found.clear();
-      outlook_->find_company(member, island_clearance_m, found);
-      for (std::uint32_t other : found)
-        if (const auto near = clusters_->of(other); island.insert(near).second)
-          open.push_back(near);
-    }
+/// The region that most of the cluster's bodies are in; the lower number on a tie.
+RegionId Homecoming::home_of(Clusters::Number cluster) const {
+  std::map<RegionId, std::size_t> holds;
+  for (const std::uint32_t member : clusters_->members(cluster)) {
+    const WorldPosition& at = outlook_->body(member).position;
+    ++holds[situation_->map.region_at(at.x, at.z)];
   }
-  return island;
+  return std::max_element(holds.begin(), holds.end(),
+                          [](auto& a, auto& b) { return a.second < b.second; })
+      ->first;
 }
 
-/// Whether nothing of the island that moves will soon meet bodies that stay here, or that move, or
-/// of servers other than `home`.
-bool Homecoming::flies_clear(const std::set<Clusters::Number>& island, RegionId home) {
-  if (!threats_known_) find_threats();
-  const auto stays_here = [&](std::uint32_t body) {
-    const auto cluster = clusters_->known(body);
-    return !cluster || !island.contains(*cluster);
-  };
-  std::vector<std::uint32_t> found;
-  for (const Clusters::Number number : island)
-    for (std::uint32_t member : clusters_->members(number)) {
-      if (outlook_->rests(member)) continue;
-      const AuraBox way = way_of(outlook_->body(member), clear_flight_s);
-      found.clear();
-      outlook_->find(way, found);
-      for (std::uint32_t other : found)
-        if (stays_here(other)) return false;
-      found.clear();
-      threat_rows_.find(way, found);
-      for (std::uint32_t threat : found) {
-        const std::uint32_t other = threat_bodies_[threat];
-        if (other == others_body || stays_here(other)) return false;
-      }
-      found.clear();
-      outlook_->remote_rows().find(way, found);
-      for (std::uint32_t other : found) {
-        const RemoteAura& aura = situation_->remote[other];
-        if (aura.host != home || !aura.resting) return false;
-      }
-    }
+/// Appends whom the body soon meets here; false if it meets somebody of a third server's. What
+/// rests does not meet what rests. The same whichever of two is asked.
+bool Homecoming::add_met(std::uint32_t body, RegionId home, std::vector<std::uint32_t>& met) {
+  AuraBox room = room_of(body);
+  room.half.array() += clearance_m;
+  if (!outlook_->rests(body)) {
+    outlook_->find(room, met);
+    found_.clear();
+    outlook_->remote_rows().find(room, found_);
+    for (const std::uint32_t other : found_)
+      if (situation_->remote[other].host != home) return false;
+  }
+  found_.clear();
+  stirrer_rows_.find(room, found_);
+  for (const std::uint32_t stirrer : found_) {
+    const Stirrer& other = stirrers_[stirrer];
+    if (other.body != others_body)
+      met.push_back(other.body);
+    else if (other.host != home)
+      return false;
+  }
   return true;
 }
 
-std::vector<Homecoming::Island> Homecoming::islands(const MigrationSituation& s, Outlook& outlook,
+/// Whether the cluster could go home if all that it meets came along.
+bool Homecoming::look_around(Clusters::Number cluster, RegionId home, const Contests& contests,
+                             std::vector<std::uint32_t>& met) {
+  if (clusters_->sent(cluster) || home_of(cluster) != home) return false;
+  // A copy: whoever is found may have to come on the stage.
+  const auto span = clusters_->members(cluster);
+  const std::vector<std::uint32_t> members(span.begin(), span.end());
+  return std::all_of(members.begin(), members.end(), [&](std::uint32_t member) {
+    return may_leave(member, contests.is_contested(member)) && add_met(member, home, met);
+  });
+}
+
+std::uint32_t& Homecoming::pocket_at(Clusters::Number cluster) {
+  if (judged_.size() <= cluster) judged_.resize(clusters_->size(), no_pocket);
+  return judged_[cluster];
+}
+
+/// Everything that has to go home together with a cluster; none if it stays. What has been found by
+/// then hangs together with it and stays too.
+std::vector<Clusters::Number> Homecoming::pocket_of(Clusters::Number first, RegionId home,
+                                                    const Contests& contests) {
+  const std::uint32_t self = ++pockets_;
+  std::vector<Clusters::Number> pocket{first};
+  pocket_at(first) = self;
+  std::vector<std::uint32_t> met;
+  for (std::size_t k = 0; k < pocket.size(); ++k) {
+    met.clear();
+    if (!look_around(pocket[k], home, contests, met)) return {};
+    for (const std::uint32_t body : met) {
+      const Clusters::Number cluster = clusters_->of(body);
+      std::uint32_t& at = pocket_at(cluster);
+      if (at == self) continue;
+      if (at != no_pocket) return {};  // It stays.
+      at = self;
+      pocket.push_back(cluster);
+    }
+  }
+  return pocket;
+}
+
+std::vector<Homecoming::Pocket> Homecoming::pockets(const MigrationSituation& s, Outlook& outlook,
                                                     Clusters& clusters, const Contests& contests) {
   situation_ = &s;
   outlook_ = &outlook;
   clusters_ = &clusters;
-  threats_known_ = false;
-  std::vector<Island> leaving;
-  std::vector<bool> judged;
+  bool known = false;
+  judged_.clear();
+  pockets_ = no_pocket;
+  std::vector<Pocket> leaving;
   // Sleepers that come on the stage now lie inside of the region.
   const std::uint32_t shown = outlook.size();
   for (std::uint32_t i = 0; i < shown; ++i) {
     if (!is_away(i)) continue;
+    if (!std::exchange(known, true)) find_stirrers();
     const Clusters::Number own = clusters.of(i);
-    judged.resize(clusters.size(), false);
-    if (judged[own]) continue;
-    const std::set<Clusters::Number> island = island_of(i);
-    judged.resize(clusters.size(), false);
-    std::map<RegionId, std::size_t> holds;
-    bool leaves = true;
-    for (const Clusters::Number number : island) {
-      judged[number] = true;
-      leaves = leaves && !clusters.sent(number);
-      for (std::uint32_t member : clusters.members(number)) {
-        const WorldPosition& at = outlook.body(member).position;
-        leaves = leaves && may_leave(member, contests.is_contested(member));
-        ++holds[s.map.region_at(at.x, at.z)];
-      }
-    }
-    if (!leaves) continue;
-    // Where most of its bodies are; the lower number on a tie.
-    const RegionId home = std::max_element(holds.begin(), holds.end(), [](auto& a, auto& b) {
-                            return a.second < b.second;
-                          })->first;
-    if (flies_clear(island, home)) leaving.push_back({{island.begin(), island.end()}, home});
+    if (pocket_at(own) != no_pocket) continue;
+    const RegionId home = home_of(own);
+    Pocket pocket{pocket_of(own, home, contests), home};
+    if (!pocket.clusters.empty()) leaving.push_back(std::move(pocket));
   }
   return leaving;
 }

@@ -1,6 +1,7 @@
 // Who goes back to the region that it lies in.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <set>
 #include <utility>
@@ -18,45 +19,62 @@ inline constexpr double clear_flight_s = 1.0;
 
 class Contests;
 
-/// A cluster of which no member reaches into the host's region, and which no projected aura
-/// touches, is an island: it goes to the region that holds most of it (section 3.5 of the paper).
-/// What rests goes home body by body, but only where nothing will soon pass: it would be fetched
-/// back at once.
+/// What lies outside of its host's region goes home (section 3.5 of the paper) where nobody would
+/// fetch it back at once: all that would soon meet each other together, a pocket, and only if
+/// nothing of it soon meets what stays here, or what is hosted by a third server.
 class Homecoming {
  public:
-  struct Island {
+  struct Pocket {
     std::vector<Clusters::Number> clusters;
     RegionId home;
   };
 
-  /// Once a tick, before islands(): remembers who stirs.
+  /// Once a tick, before pockets(): remembers who stirs.
   void note_unrest(const MigrationSituation& situation, Outlook& outlook);
-  /// Disjoint islands that may go home now.
-  std::vector<Island> islands(const MigrationSituation& situation, Outlook& outlook,
+  /// Disjoint pockets that may go home now.
+  std::vector<Pocket> pockets(const MigrationSituation& situation, Outlook& outlook,
                               Clusters& clusters, const Contests& contests);
 
  private:
   bool stirs(BodyId id) const;
   bool is_away(std::uint32_t body) const;
-  bool is_calm(std::uint32_t body);
-  void find_threats();
+  AuraBox room_of(std::uint32_t body) const;
+  void find_stirrers();
+  enum class Link : std::uint8_t { leaning, touching };
+  bool may_lean(std::uint32_t a, std::uint32_t b) const;
+  bool is_threatened(std::uint32_t body, Link link);
   bool may_leave(std::uint32_t body, bool contested);
-  std::set<Clusters::Number> island_of(std::uint32_t body);
-  bool flies_clear(const std::set<Clusters::Number>& island, RegionId home);
+  RegionId home_of(Clusters::Number cluster) const;
+  bool add_met(std::uint32_t body, RegionId home, std::vector<std::uint32_t>& met);
+  bool look_around(Clusters::Number cluster, RegionId home, const Contests& contests,
+                   std::vector<std::uint32_t>& met);
+  std::uint32_t& pocket_at(Clusters::Number cluster);
+  std::vector<Clusters::Number> pocket_of(Clusters::Number first, RegionId home,
+                                          const Contests& contests);
 
-  const MigrationSituation* situation_ = nullptr;  ///< Within islands().
+  const MigrationSituation* situation_ = nullptr;  ///< Within pockets().
   Outlook* outlook_ = nullptr;
   Clusters* clusters_ = nullptr;
   bool nothing_moves_ = false;  ///< Here for quiet_ticks, nor what others project.
   /// When each body last moved or expected a blow, if lately; ascending. And as of the last tick.
   std::vector<std::pair<BodyId, Tick>> unrest_, before_;
-  BoxRows threat_rows_;  ///< Built when asked for.
-  std::vector<AuraBox> threats_;
-  std::vector<std::uint32_t> threat_bodies_;  ///< Whose threat it is; others_body: a remote one's.
+  /// What does not rest, here and elsewhere.
+  struct Stirrer {
+    std::uint32_t body;  ///< On the stage, or others_body.
+    RegionId host;
+    bool fast;  ///< Its blow would go on through a heap.
+  };
   static constexpr std::uint32_t others_body = static_cast<std::uint32_t>(-1);
-  bool threats_known_ = false;
-  enum class Calm : std::uint8_t { unknown, calm, threatened };
-  std::vector<Calm> calm_;  ///< Of each resting body that was asked for in this tick.
+  std::vector<Stirrer> stirrers_;
+  std::vector<AuraBox> rooms_;  ///< Of each of them.
+  BoxRows stirrer_rows_;
+  enum class Heap : std::uint8_t { unknown, calm, threatened };
+  /// What each resting body that was asked for hangs together with, by how.
+  std::array<std::vector<Heap>, 2> heaps_;
+  static constexpr std::uint32_t no_pocket = 0;
+  std::vector<std::uint32_t> judged_;  ///< The pocket of each cluster that has been found.
+  std::uint32_t pockets_ = no_pocket;
+  std::vector<std::uint32_t> found_;
 };
 
 }  // namespace aureole

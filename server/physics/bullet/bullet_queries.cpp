@@ -51,38 +51,9 @@ float squared_distance_to_box(const btVector3& p, const btVector3& low, const bt
   return (p - nearest).length2();
 }
 
-/// After a step neither manifolds nor what they join are at hand. Their memory is asked for in
-/// stages, each so many manifolds before it is read: the manifold, its objects, their bodies.
-void fetch_ahead(btDispatcher& dispatcher, int at) {
-  constexpr int stage = 8;
-  const auto coming = [&](int stages) -> const btPersistentManifold* {
-    const int i = at + stages * stage;
-    return i < dispatcher.getNumManifolds() ? dispatcher.getManifoldByIndexInternal(i) : nullptr;
-  };
-  if (const auto* manifold = coming(3)) {
-    // What it joins stands behind its points.
-    __builtin_prefetch(reinterpret_cast<const char*>(manifold + 1) - 48);
-    __builtin_prefetch(reinterpret_cast<const char*>(manifold + 1) - 1);
-  }
-  if (const auto* manifold = coming(2))
-    for (const btCollisionObject* object : {manifold->getBody0(), manifold->getBody1()})
-      __builtin_prefetch(reinterpret_cast<const char*>(object + 1) - 96);
-  if (const auto* manifold = coming(1))
-    for (const btCollisionObject* object : {manifold->getBody0(), manifold->getBody1()})
-      __builtin_prefetch(body_of(object));
-}
-
-/// Visits each manifold with points whose both sides are bodies or stand-ins, in Bullet's order.
-template <class Visit>
-void for_each_touching(BulletWorld& world, const Visit& visit) {
-  for (int i = 0; i < world.dispatcher().getNumManifolds(); ++i) {
-    fetch_ahead(world.dispatcher(), i);
-    const auto& manifold = *world.dispatcher().getManifoldByIndexInternal(i);
-    if (manifold.getNumContacts() == 0) continue;
-    const BulletBody* a = body_of(manifold.getBody0());
-    const BulletBody* b = body_of(manifold.getBody1());
-    if (a && b) visit(*a, *b, manifold);
-  }
+/// The body or stand-in that `body` shares a manifold with; null for static geometry.
+const BulletBody* other_of(const btPersistentManifold& manifold, const BulletBody& body) {
+  return body_of(manifold.getBody0() == &body.rigid ? manifold.getBody1() : manifold.getBody0());
 }
 
 }  // namespace
@@ -108,40 +79,48 @@ std::vector<BodyId> bodies_touching(BulletWorld& world, const BulletBody& body) 
   return out;
 }
 
-void survey_contacts(BulletWorld& world, ContactSurvey& survey) {
-  survey.edges.clear();
-  std::vector<StandInLoad>& out = survey.loads;
-  out.clear();
-  const auto slot = [](const BulletBody& body) {
-    return body.role == Role::stand_in ? ContactGraph::outside : body.slot;
-  };
-  for_each_touching(world, [&](const BulletBody& a, const BulletBody& b, const auto& manifold) {
-    const ContactGraph::Edge edge(slot(a), slot(b));
-    if ((edge.first & edge.second) == ContactGraph::outside) return;
-    survey.edges.push_back(edge);
-    const BulletBody& stand_in = a.role == Role::stand_in ? a : b;
-    const BulletBody& body = a.role == Role::stand_in ? b : a;
-    if (stand_in.role != Role::stand_in || !body.rigid.isActive()) return;
+std::size_t find_touching(const BulletBody& body, std::vector<std::uint32_t>& found) {
+  found.clear();
+  std::size_t on_stand_ins = 0;
+  for (const btPersistentManifold* manifold : body.manifolds) {
+    if (manifold->getNumContacts() == 0) continue;
+    const BulletBody* other = other_of(*manifold, body);
+    if (!other) continue;
+    if (other->role == Role::stand_in)
+      ++on_stand_ins;
+    else
+      found.push_back(other->slot);
+  }
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found.size() + on_stand_ins;
+}
+
+void append_loads(const BulletBody& stand_in, std::vector<StandInLoad>& loads) {
+  const auto first = static_cast<std::ptrdiff_t>(loads.size());
+  for (const btPersistentManifold* manifold : stand_in.manifolds) {
+    if (manifold->getNumContacts() == 0) continue;
+    const BulletBody* body = other_of(*manifold, stand_in);
+    if (!body || !body->rigid.isActive()) continue;
     float sum = 0;
-    for (int p = 0; p < manifold.getNumContacts(); ++p)
-      sum += manifold.getContactPoint(p).getAppliedImpulse();
-    out.push_back({stand_in.id, body.id, sum});
-  });
+    for (int p = 0; p < manifold->getNumContacts(); ++p)
+      sum += manifold->getContactPoint(p).getAppliedImpulse();
+    loads.push_back({stand_in.id, body->id, sum});
+  }
   // A compound pair has several manifolds. Sums of floats depend on their order: that of the sums
   // themselves is the same however the manifolds stand.
-  std::sort(out.begin(), out.end(), [](const StandInLoad& x, const StandInLoad& y) {
-    return std::tie(x.stand_in, x.body, x.impulse_ns) < std::tie(y.stand_in, y.body, y.impulse_ns);
+  std::sort(loads.begin() + first, loads.end(), [](const StandInLoad& x, const StandInLoad& y) {
+    return std::tie(x.body, x.impulse_ns) < std::tie(y.body, y.impulse_ns);
   });
-  auto last = out.begin();
-  for (auto next = last; next != out.end(); ++next) {
-    if (last != next && last->stand_in == next->stand_in && last->body == next->body) {
+  auto last = loads.begin() + first;
+  for (auto next = last; next != loads.end(); ++next) {
+    if (next == last) continue;
+    if (last->body == next->body)
       last->impulse_ns += next->impulse_ns;
-    } else {
-      if (next != out.begin()) ++last;
-      *last = *next;
-    }
+    else
+      *++last = *next;
   }
-  if (last != out.end()) out.erase(last + 1, out.end());
+  if (last != loads.end()) loads.erase(last + 1, loads.end());
 }
 
 bool has_support(BulletWorld& world, const BulletBody& body, float min_up) {

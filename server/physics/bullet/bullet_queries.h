@@ -15,15 +15,11 @@ void for_each_pair(BulletWorld& world, const BulletBody& body,
                    const std::function<void(btCollisionObject&, const btBroadphasePair&)>& visit);
 
 std::vector<BodyId> bodies_touching(BulletWorld& world, const BulletBody& body);
-/// What one pass over all contacts finds.
-struct ContactSurvey {
-  /// Who touches whom, bodies by their slots and stand-ins as outsiders; a compound pair may be
-  /// named more than once.
-  std::vector<ContactGraph::Edge> edges;
-  std::vector<StandInLoad> loads;  ///< See PhysicsWorld::stand_in_loads.
-};
-/// Replaces what is in `survey`.
-void survey_contacts(BulletWorld& world, ContactSurvey& survey);
+/// Replaces `found` by the slots of the bodies that share a contact point with `body`, ascending.
+/// Returns how many it touches, stand-ins included; a compound stand-in may count more than once.
+std::size_t find_touching(const BulletBody& body, std::vector<std::uint32_t>& found);
+/// Appends what awake bodies press on a stand-in with, ascending by their ids.
+void append_loads(const BulletBody& stand_in, std::vector<StandInLoad>& loads);
 bool has_support(BulletWorld& world, const BulletBody& body, float min_up);
 std::vector<BodyId> bodies_in_sphere(BulletWorld& world, const WorldPosition& centre, float radius);
 std::optional<RayHit> nearest_hit(BulletWorld& world, const WorldPosition& from,

@@ -33,6 +33,8 @@ struct BulletBody {
   bool marked = false;        ///< Member of the group that a call is about; false between calls.
   int non_static_index = -1;  ///< Place in Bullet's list of moving bodies; -1 if immovable.
   std::uint32_t slot = 0;     ///< See BodyGlance::slot(); stand-ins have one too.
+  /// Bullet's for its pairs, with points or without; in no order. See Dispatcher.
+  std::vector<btPersistentManifold*> manifolds;
   Eigen::Quaternionf orientation{Eigen::Quaternionf::Identity()};  ///< What the basis was made of.
   Eigen::Vector3f obstacle_linear{0, 0, 0};                        ///< m/s
   Eigen::Vector3f obstacle_angular{0, 0, 0};                       ///< rad/s
@@ -69,6 +71,9 @@ struct AwakeBodies {
 
 /// Bullet refuses pairs of sleeping bodies, and their algorithms then never get a manifold. While
 /// carried contacts are installed, every pair counts.
+///
+/// Bullet lists manifolds by world only. To find those of a few bodies without walking through all,
+/// each is noted at its bodies from its making to its release.
 class Dispatcher : public btCollisionDispatcher {
  public:
   using btCollisionDispatcher::btCollisionDispatcher;
@@ -76,6 +81,19 @@ class Dispatcher : public btCollisionDispatcher {
     return admit_sleeping_ || btCollisionDispatcher::needsCollision(a, b);
   }
   void admit_sleeping(bool admit) { admit_sleeping_ = admit; }
+
+  btPersistentManifold* getNewManifold(const btCollisionObject* a,
+                                       const btCollisionObject* b) override {
+    btPersistentManifold* manifold = btCollisionDispatcher::getNewManifold(a, b);
+    for (const btCollisionObject* object : {a, b})
+      if (BulletBody* body = body_of(object)) body->manifolds.push_back(manifold);
+    return manifold;
+  }
+  void releaseManifold(btPersistentManifold* manifold) override {
+    for (const btCollisionObject* object : {manifold->getBody0(), manifold->getBody1()})
+      if (BulletBody* body = body_of(object)) std::erase(body->manifolds, manifold);
+    btCollisionDispatcher::releaseManifold(manifold);
+  }
 
  private:
   bool admit_sleeping_ = false;

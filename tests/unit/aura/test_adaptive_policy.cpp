@@ -25,6 +25,8 @@ TEST_CASE("a row stays whole while something is about to strike its far end") {
     for (int n = 0; n < 6; ++n) scene.hosted.push_back(asleep_at(n, 10.5 + gap * n));
     const double last = scene.hosted.back().position.x;
     scene.hosted.push_back(awake_at(6, last + 1.5));
+    scene.hosted[6].motion_speed_mps = 3;
+    scene.hosted[6].velocity_mps = {-3, 0, 0};
     const auto decision = scene.decide();
     // Lying in contact it is one thing, with air between them each goes by itself.
     const bool first_leaves = !decision.leaving.empty() && decision.leaving[0].bodies[0] == name(0);

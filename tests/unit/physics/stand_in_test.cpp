@@ -276,10 +276,8 @@ TEST_CASE("a stand-in put beside a sleeper touches it at once and wakes it only 
   world.add_stand_ins({&aside, 1});
   CHECK(world.is_asleep(sleeper.id));
   CHECK(world.touching(sleeper.id).empty());
-  ContactGraph graph;
-  world.contact_graph(graph);
   std::vector<std::uint32_t> touched;
-  CHECK(graph.find_touching(world.glance(sleeper.id).slot(), touched) == 0);
+  CHECK(world.find_touching(world.glance(sleeper.id).slot(), touched) == 0);
 }
 
 TEST_CASE("contacts with a stand-in change their world and come back") {

@@ -1,4 +1,4 @@
-// The graph says of everybody at once what `touching` says of one.
+// What is found by slots is what `touching` finds through the broadphase.
 #include <algorithm>
 #include <span>
 #include <vector>
@@ -15,14 +15,12 @@ struct Row {
   std::size_t leaning_on = 0;
 };
 
-/// What the graph says of a body; of others nothing.
+/// What is found of a body; of others nothing.
 Row whole_row(const PhysicsWorld& world, BodyId id) {
   if (!world.contains(id)) return {};
-  ContactGraph graph;
-  world.contact_graph(graph);
   std::vector<std::uint32_t> slots;
   Row found;
-  found.leaning_on = graph.find_touching(world.glance(id).slot(), slots);
+  found.leaning_on = world.find_touching(world.glance(id).slot(), slots);
   for (const std::uint32_t slot : slots) found.bodies.push_back(world.body_in_slot(slot));
   std::sort(found.bodies.begin(), found.bodies.end());
   return found;
@@ -32,7 +30,7 @@ std::vector<BodyId> row(const PhysicsWorld& world, BodyId id) {
   return whole_row(world, id).bodies;
 }
 
-std::size_t require_graph_is_touching(const PhysicsWorld& world) {
+std::size_t require_both_agree(const PhysicsWorld& world) {
   std::size_t joined = 0;
   for (const BodyId id : world.ids()) {
     const Row found = whole_row(world, id);
@@ -50,17 +48,18 @@ std::size_t require_graph_is_touching(const PhysicsWorld& world) {
 
 }  // namespace
 
-TEST_CASE("the contact graph of a heap is what touching says of each, awake, asleep and cut") {
+TEST_CASE(
+    "what a body of a heap touches is found by its slot as by its name, awake, asleep and cut") {
   PhysicsWorld world = world_on_ground();
   world.add(heap(150, 33, 4));
   for (int i = 0; i < 5; ++i) {
     run(world, 20);
-    require_graph_is_touching(world);
+    require_both_agree(world);
   }
-  CHECK(require_graph_is_touching(world) > 150);
+  CHECK(require_both_agree(world) > 150);
   for (int i = 0; i < 1500 && world.awake_count() > 0; ++i) world.step(tick_s);
   CHECK(world.awake_count() < 10);
-  CHECK(require_graph_is_touching(world) > 150);
+  CHECK(require_both_agree(world) > 150);
 
   const std::vector<BodyId> cut(world.ids().begin() + 20, world.ids().begin() + 60);
   world.turn_into_stand_ins(cut);
@@ -72,10 +71,10 @@ TEST_CASE("the contact graph of a heap is what touching says of each, awake, asl
   }
   CHECK(on_stand_ins > 10);
   for (const BodyId id : cut) CHECK(row(world, id).empty());
-  require_graph_is_touching(world);
+  require_both_agree(world);
 }
 
-TEST_CASE("sleepers that arrive with their contacts are in the graph") {
+TEST_CASE("what sleepers touch that arrive with their contacts is found by their slots") {
   PhysicsWorld from = world_on_ground();
   from.add(pyramid());
   run(from, 400);
@@ -84,11 +83,11 @@ TEST_CASE("sleepers that arrive with their contacts are in the graph") {
   to.add(bodies_of(from));
   REQUIRE(row(to, BodyId::world(0)).empty());
   to.install_contacts(from.contacts_within(from.ids()));
-  CHECK(require_graph_is_touching(to) > 0);
+  CHECK(require_both_agree(to) > 0);
   for (BodyId id : from.ids()) CHECK(row(to, id) == row(from, id));
 }
 
-TEST_CASE("the graph is built anew for each question and knows nothing of strangers") {
+TEST_CASE("who has left is not found any more") {
   PhysicsWorld world = world_on_ground();
   const std::vector<NewBody> tower = plain_tower();
   world.add(std::span(tower).first(3));
