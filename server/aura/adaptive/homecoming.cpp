@@ -82,19 +82,28 @@ AuraBox Homecoming::room_of(std::uint32_t body) const {
 void Homecoming::find_stirrers() {
   stirrers_.clear();
   rooms_.clear();
+  blows_.clear();
   for (std::uint32_t i = 0; i < outlook_->size(); ++i) {
     if (outlook_->rests(i)) continue;
-    const bool fast = outlook_->moves(i) && outlook_->body(i).motion_speed_mps > fast_mps;
-    stirrers_.push_back({i, situation_->self, fast});
+    stirrers_.push_back({i, situation_->self});
     rooms_.push_back(room_of(i));
+    if (outlook_->moves(i) && outlook_->body(i).motion_speed_mps > fast_mps)
+      blows_.push_back(joined(outlook_->box(i), way_of(outlook_->body(i), clear_flight_s)));
   }
   for (const RemoteAura& aura : situation_->remote) {
     if (aura.resting) continue;
-    stirrers_.push_back({others_body, aura.host, aura.speed_mps > fast_mps});
-    rooms_.push_back(aura.room.box());
-    rooms_.back().half.array() += aura.speed_mps * ahead_s;
+    stirrers_.push_back({others_body, aura.host});
+    const AuraBox box = aura.room.box();
+    const auto room = [&](double duration_s) {
+      AuraBox wide = box;
+      wide.half.array() += aura.speed_mps * duration_s;
+      return wide;
+    };
+    rooms_.push_back(room(ahead_s));
+    if (aura.speed_mps > fast_mps) blows_.push_back(room(clear_flight_s));
   }
   stirrer_rows_.build(rooms_);
+  blow_rows_.build(blows_);
   for (std::vector<Heap>& heaps : heaps_) heaps.clear();
 }
 
@@ -133,10 +142,8 @@ bool Homecoming::is_threatened(std::uint32_t body, Link link) {
     AuraBox room = outlook_->box(heap[k]);
     room.half.array() += clearance_m;
     found.clear();
-    stirrer_rows_.find(room, found);
-    threatened = threatened || std::any_of(found.begin(), found.end(), [&](std::uint32_t stirrer) {
-                   return link == Link::leaning || stirrers_[stirrer].fast;
-                 });
+    (link == Link::leaning ? stirrer_rows_ : blow_rows_).find(room, found);
+    threatened = threatened || !found.empty();
   }
   if (threatened)
     for (const std::uint32_t member : heap) heaps[member] = Heap::threatened;

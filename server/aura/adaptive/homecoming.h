@@ -13,8 +13,8 @@
 
 namespace aureole {
 
-/// What moves goes home only if it meets nothing but bodies of its new host for so long (s): it
-/// would be fetched back at once, and perhaps on from there.
+/// Who is on the way of what moves within so long (s) is told of it, and a row that it will strike
+/// is not cut.
 inline constexpr double clear_flight_s = 1.0;
 
 class Contests;
@@ -62,12 +62,14 @@ class Homecoming {
   struct Stirrer {
     std::uint32_t body;  ///< On the stage, or others_body.
     RegionId host;
-    bool fast;  ///< Its blow would go on through a heap.
   };
   static constexpr std::uint32_t others_body = static_cast<std::uint32_t>(-1);
   std::vector<Stirrer> stirrers_;
   std::vector<AuraBox> rooms_;  ///< Of each of them.
   BoxRows stirrer_rows_;
+  /// Ways of those whose blows would go on through a row, further ahead.
+  std::vector<AuraBox> blows_;
+  BoxRows blow_rows_;
   enum class Heap : std::uint8_t { unknown, calm, threatened };
   /// What each resting body that was asked for hangs together with, by how.
   std::array<std::vector<Heap>, 2> heaps_;
