@@ -247,6 +247,22 @@ MUTATIONS = [
         ((AURA, "it is not calm yet where somebody has just fallen asleep"),),
     ),
     Mutation(
+        "torn-pocket",
+        "what goes home leaves behind what it will soon meet",
+        "server/aura/adaptive/homecoming.cpp",
+        "      at = self;\n      pocket.push_back(cluster);\n",
+        "      at = self;\n",
+        ((AURA, "what will soon meet goes home together or not at all"),),
+    ),
+    Mutation(
+        "settling-pile",
+        "a pile is cut like a layer on the ground",
+        "server/aura/adaptive/homecoming.cpp",
+        "  return !stands(a) || !stands(b);\n",
+        "  return false;\n",
+        ((AURA, "a pile stays whole while any of it settles, a layer on the ground does not wait"),),
+    ),
+    Mutation(
         "left-out-decision",
         "a decision whose tick was left out is not made up for",
         "server/region/region_migration.cpp",

@@ -242,8 +242,11 @@ RegionId Contests::arbitrate(const Contest& contest, RegionId other) const {
   const RegionId self = situation_->self;
   std::uint8_t our_changes = 0, their_changes = 0;
   std::optional<RegionId> given;
+  bool asked_lately = false;  // They may be on their way here.
   const auto note_given = [&](BodyId id) {
     const auto at = given_.find(id);
+    if (at != given_.end() && at->second.to == self)
+      asked_lately = asked_lately || situation_->now - at->second.since <= hold_ticks_;
     // Up wins: what we asked for stays where what we gave has come to it (is_overtaken()).
     if (at == given_.end() || (at->second.to != self && at->second.to != other)) return;
     given = given ? std::max(*given, at->second.to) : at->second.to;
@@ -274,7 +277,7 @@ RegionId Contests::arbitrate(const Contest& contest, RegionId other) const {
   // Who has changed its owner more often stays.
   const bool ours_stay = our_changes == Company::changes_max;
   const bool theirs_stay = their_changes == Company::changes_max;
-  if (ours_stay != theirs_stay) return ours_stay ? self : other;
+  if (ours_stay != theirs_stay) return ours_stay || asked_lately ? self : other;
   if (given) return *given;
   // Of two that should stay the larger one does.
   if (ours_stay) return their_weight > our_weight ? other : self;
@@ -307,12 +310,16 @@ bool Contests::meets_a_third_soon(const Contest& contest, RegionId other) const 
 }
 
 void Contests::remember(const Contest& contest, RegionId to) {
-  const Given given{to, situation_->now};
-  for (const RemoteAura* aura : contest.meets) given_[aura->id] = given;
+  const auto give = [&](BodyId id) {
+    const auto [at, fresh] = given_.try_emplace(id, Given{to, situation_->now, situation_->now});
+    if (!fresh && at->second.to != to) at->second.since = situation_->now;
+    at->second.to = to;
+    at->second.at = situation_->now;
+  };
+  for (const RemoteAura* aura : contest.meets) give(aura->id);
   if (to == situation_->self) return;
   for (const Clusters::Number cluster : contest.ours)
-    for (const std::uint32_t member : clusters_->members(cluster))
-      given_[outlook_->body(member).id] = given;
+    for (const std::uint32_t member : clusters_->members(cluster)) give(outlook_->body(member).id);
 }
 
 std::vector<Contests::Verdict> Contests::verdicts() {

@@ -117,7 +117,8 @@ class Contests {
   /// meets them goes there too.
   struct Given {
     RegionId to;
-    Tick at;
+    Tick at;     ///< For the last time.
+    Tick since;  ///< To the same server.
   };
   std::map<BodyId, Given> given_;
 };
