@@ -259,8 +259,16 @@ MUTATIONS = [
         "a pile is cut like a layer on the ground",
         "server/aura/adaptive/homecoming.cpp",
         "  return !stands(a) || !stands(b);\n",
-        "  return false;\n",
+        "  return !stands(a) && stands(a) && stands(b);\n",
         ((AURA, "a pile stays whole while any of it settles, a layer on the ground does not wait"),),
+    ),
+    Mutation(
+        "met-halfway",
+        "what has been asked for is followed as soon as its side has changed its owner twice",
+        "server/aura/adaptive/contests.cpp",
+        "return ours_stay || asked_lately ? self : other;",
+        "return ours_stay ? self : other;",
+        ((AURA, "what has been asked for is not met halfway though its side has changed twice meanwhile"),),
     ),
     Mutation(
         "left-out-decision",

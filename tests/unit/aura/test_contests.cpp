@@ -127,6 +127,23 @@ TEST_CASE("what the arbiter has asked for is not met halfway") {
   REQUIRE(scene.decide(*policy, Tick{20}).leaving.size() == 1);
 }
 
+TEST_CASE(
+    "what has been asked for is not met halfway though its side has changed twice meanwhile") {
+  Scene scene;
+  const auto policy = make_adaptive_policy(AuraTolerances{});
+  scene.hosted = {awake_at(0, 9.6)};
+  scene.remote = {aura(1, 1, false, 10.3)};
+  REQUIRE(scene.decide(*policy, Tick{0}).pulls.size() == 1);
+  scene.remote[0].company.changes = Company::changes_max;
+  for (const std::int64_t tick : {2, 4, 6}) {
+    const auto decision = scene.decide(*policy, Tick{tick});
+    REQUIRE(decision.pulls.size() == 1);
+    REQUIRE(decision.leaving.empty());
+  }
+  // It has not come, nor will it.
+  REQUIRE(scene.decide(*policy, Tick{8}).leaving.size() == 1);
+}
+
 TEST_CASE("clusters that hang together through one of another server's get one verdict") {
   Scene scene;
   scene.hosted = {awake_at(0, 9.9, 0), awake_at(1, 9.0, 3)};
