@@ -15,8 +15,8 @@ namespace {
 constexpr double clearance_m = 0.3;
 
 /// How far ahead (s). Whoever is met later than this at its new home has to come there, or be
-/// fetched back once: nothing is lost by it, and what would never go home in a layer of bodies
-/// that creep does.
+/// fetched back: one more change of owner, with all that may go wrong with one. Looking further
+/// ahead keeps what creeps about in a layer of bodies abroad for ever.
 constexpr double ahead_s = 0.5;
 
 /// What is faster (m/s) may be felt through a heap. Slower things creep about all over a layer of
