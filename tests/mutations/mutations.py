@@ -271,6 +271,14 @@ MUTATIONS = [
         ((AURA, "what has been asked for is not met halfway though its side has changed twice meanwhile"),),
     ),
     Mutation(
+        "no-farewell",
+        "whoever is handed a body is not told of what it leans on before it tells of its aura there",
+        "server/aura/adaptive/contests.cpp",
+        "  for (const std::uint32_t body : found) visitors_[body].add(to);",
+        "  (void)to;",
+        ((AURA, "whoever is handed a body is told at once of what it leans on, until it has been heard"),),
+    ),
+    Mutation(
         "left-out-decision",
         "a decision whose tick was left out is not made up for",
         "server/region/region_migration.cpp",

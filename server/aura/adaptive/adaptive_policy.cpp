@@ -88,6 +88,7 @@ class AdaptivePolicy final : public MigrationPolicy {
     }
     for (auto& [way, bodies] : pulls)
       decision.pulls.push_back({way.first, way.second, {bodies.begin(), bodies.end()}});
+    contests_.remember_visitors();
     project(s, decision);
     return decision;
   }
@@ -115,6 +116,7 @@ class AdaptivePolicy final : public MigrationPolicy {
   void send(const MigrationSituation& s, Clusters::Number cluster, RegionId to, Leaving& leaving) {
     if (clusters_.sent(cluster) || to == s.self || !s.linked[to.value]) return;
     clusters_.note_sent(cluster);
+    contests_.note_leaving(cluster, to);
     for (std::uint32_t member : clusters_.members(cluster))
       leaving[to].push_back(outlook_.body(member).id);
   }

@@ -71,7 +71,17 @@ void Contests::find(const MigrationSituation& s, Outlook& outlook, Clusters& clu
     if (warned != warned_.end() && warned->first == s.hosted[i].id)
       visitors_[i].add(warned->second);
   }
-  remember_visitors();
+}
+
+void Contests::note_leaving(Clusters::Number cluster, RegionId to) {
+  std::vector<std::uint32_t> found;
+  for (const std::uint32_t member : clusters_->members(cluster)) {
+    AuraBox wide = outlook_->box(member);
+    wide.half.array() += visitor_clearance_m_ + outlook_->expected_mps(member) * reach_s_;
+    outlook_->find(wide, found);
+  }
+  make_room();
+  for (const std::uint32_t body : found) visitors_[body].add(to);
 }
 
 /// For whoever has come on the stage meanwhile.

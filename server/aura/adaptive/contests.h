@@ -54,12 +54,18 @@ class Contests {
   /// waiting would make it too late.
   bool is_overtaken(Clusters::Number cluster, BodyId asked_for, RegionId asker);
 
+  /// A cluster goes to another server: until that one tells of its auras, it is told of what they
+  /// are near to. What lies on a body that stays would fall through it there.
+  void note_leaving(Clusters::Number cluster, RegionId to);
+  /// When all leave who do, before it is told who is near to what: whoever was so lately counts.
+  void remember_visitors();
+
   /// Whether a body must be brought together with somebody else's.
   bool is_contested(std::uint32_t body) const {
     return body < contested_.size() && contested_[body];
   }
   /// Hosts of the auras near a body's, lately: they are told of it. Whoever comes on the stage
-  /// after find() has none.
+  /// after remember_visitors() has none.
   RegionSet visitors_of(std::uint32_t body) const {
     return body < visitors_.size() ? visitors_[body] : RegionSet{};
   }
@@ -76,7 +82,6 @@ class Contests {
   void make_room();
   void look_ahead();
   void bring_in_visited();
-  void remember_visitors();
   std::vector<Contest> joined_contests() const;
   std::uint8_t changes_of(const HostedBody& body) const;
   std::uint8_t changes_of(Clusters::Number cluster) const;

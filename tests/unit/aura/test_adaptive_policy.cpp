@@ -1,6 +1,7 @@
 // The adaptive mode's decisions, one look at a time: who goes, who is told, what a blow reaches.
 #include <algorithm>
 
+#include "server/aura/adaptive/aura_size.h"
 #include "tests/support/catch.h"
 #include "tests/unit/aura/adaptive_scene.h"
 
@@ -94,6 +95,27 @@ TEST_CASE("a cluster that is asked for goes whole, and nothing is fetched to the
   REQUIRE(decision.leaving[0].to == RegionId{1});
   REQUIRE(decision.leaving[0].bodies == std::vector{name(0), name(1)});
   REQUIRE(decision.pulls.empty());
+}
+
+TEST_CASE("whoever is handed a body is told at once of what it leans on, until it has been heard") {
+  // It would fall through it there until its new host has told of it, and been answered.
+  for (const auto asleep : {Scene::Asleep::among_hosted, Scene::Asleep::apart}) {
+    const auto policy = make_adaptive_policy(AuraTolerances{});
+    Scene scene;
+    scene.hosted = {asleep_at(0, 4), asleep_at(1, 4, 0.6)};
+    REQUIRE(told_of(scene.decide(*policy, Tick{0}, asleep), name(1)).empty());
+    scene.requested = {{name(0), RegionId{1}}};
+    auto decision = scene.decide(*policy, Tick{2}, asleep);
+    REQUIRE(decision.leaving.size() == 1);
+    REQUIRE(decision.leaving[0].bodies == std::vector{name(0)});
+    REQUIRE(told_of(decision, name(1)) == regions({1}));
+    scene.requested.clear();
+    scene.hosted.erase(scene.hosted.begin());
+    const std::int64_t heard = 2 * hearing_ticks(AuraTolerances{});
+    for (std::int64_t t = 2; t <= heard; t += decision_ticks)
+      REQUIRE(told_of(scene.decide(*policy, Tick{2 + t}, asleep), name(1)) == regions({1}));
+    REQUIRE(told_of(scene.decide(*policy, Tick{2 + heard + 10}, asleep), name(1)).empty());
+  }
 }
 
 TEST_CASE("what is carried belongs to its carrier's cluster, however far away it hangs") {
