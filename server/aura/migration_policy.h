@@ -71,7 +71,7 @@ struct Company {
   std::uint16_t label = 0;
   /// Bodies in its cluster, as a power of two: from 2^n to 2^(n+1) - 1; at most size_class_max.
   std::uint8_t size_class = 0;
-  static constexpr std::uint8_t size_class_max = 7;
+  static constexpr std::uint8_t size_class_max = 15;
   /// How often one of them has changed its owner within the last second: at most changes_max, and
   /// then it should not again.
   std::uint8_t changes = 0;
