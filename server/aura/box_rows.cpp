@@ -16,17 +16,14 @@ constexpr float farthest_row = 8192;
 /// Where a box begins that has been erased: nothing is so far away.
 constexpr float erased = std::numeric_limits<float>::infinity();
 
-/// In a longer row the first box is searched for.
-constexpr std::ptrdiff_t long_row = 16;
+}  // namespace
 
-std::int32_t row_of(float z) {
-  const float row = std::floor(z * static_cast<float>(1 / BoxRows::row_m));
+std::int32_t BoxRows::row_of(float z) {
+  const float row = std::floor(z * static_cast<float>(1 / row_m));
   // Written so that what is not a number lands somewhere, too.
   return row > -farthest_row ? static_cast<std::int32_t>(std::min(row, farthest_row))
                              : static_cast<std::int32_t>(-farthest_row);
 }
-
-}  // namespace
 
 void BoxRows::clear() {
   entries_.clear();
@@ -73,16 +70,11 @@ void BoxRows::settle() {
   find_rows();
 }
 
-/// `fresh_` holds the boxes, sorted.
-void BoxRows::begin(std::span<const AuraBox> boxes) {
+void BoxRows::build(std::span<const AuraBox> boxes) {
   clear();
   for (std::size_t i = 0; i < boxes.size(); ++i) insert(static_cast<Number>(i), boxes[i]);
-  std::sort(fresh_.begin(), fresh_.end(), is_before);
-}
-
-void BoxRows::build(std::span<const AuraBox> boxes) {
-  begin(boxes);
   entries_.swap(fresh_);
+  std::sort(entries_.begin(), entries_.end(), is_before);
   find_rows();
 }
 
@@ -98,26 +90,6 @@ void BoxRows::find_rows() {
     begins_.resize(static_cast<std::size_t>(entry.row - first_row_ + 1), i);
   }
   begins_.push_back(static_cast<std::uint32_t>(entries_.size()));
-}
-
-void BoxRows::find(const AuraBox& box, std::vector<Number>& found) const {
-  const RoughBox asked = RoughBox::around(box);
-  const auto rows = static_cast<std::int32_t>(begins_.size()) - 1;
-  const std::int32_t first = std::max(row_of(asked.low[2] - deepest_m_) - first_row_, 0);
-  const std::int32_t last = std::min(row_of(asked.high[2]) - first_row_, rows - 1);
-  const float from_x = asked.low[0] - widest_m_;
-  for (std::int32_t row = first; row <= last; ++row) {
-    const auto place = static_cast<std::size_t>(row);
-    auto at = entries_.begin() + begins_[place];
-    const auto end = entries_.begin() + begins_[place + 1];
-    if (end - at > long_row)
-      at = std::lower_bound(at, end, from_x,
-                            [](const Entry& entry, float x) { return entry.box.low[0] < x; });
-    for (; at != end && at->box.low[0] <= asked.high[0]; ++at)
-      if (at->box.meets(asked)) found.push_back(at->number);
-  }
-  for (const Entry& entry : large_)
-    if (entry.box.meets(asked)) found.push_back(entry.number);
 }
 
 }  // namespace aureole

@@ -1,8 +1,11 @@
 // Finds overlapping boxes: rows of z, sorted by x within each.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "server/aura/aura_box.h"
@@ -22,28 +25,11 @@ class BoxRows {
   /// What is wider or deeper is kept apart and asked one by one (m): the widest box of a row widens
   /// every question.
   static constexpr float wide_m = 12.0f;
+  /// In a longer row the first box is searched for.
+  static constexpr std::ptrdiff_t long_row = 16;
 
   /// Boxes anew, numbered by their places.
   void build(std::span<const AuraBox> boxes);
-  /// The same, and those of `others` that `wanted(number, box)` says, with `offset` on top of the
-  /// numbers that they have there.
-  template <class IsWanted>
-  void build(std::span<const AuraBox> boxes, const BoxRows& others, Number offset,
-             IsWanted&& wanted) {
-    begin(boxes);
-    auto own = fresh_.begin();
-    for (const Entry& entry : others.entries_) {
-      if (!wanted(entry.number, entry.box)) continue;
-      while (own != fresh_.end() && is_before(*own, entry)) entries_.push_back(*own++);
-      entries_.push_back({entry.row, entry.number + offset, entry.box});
-    }
-    entries_.insert(entries_.end(), own, fresh_.end());
-    for (const Entry& entry : others.large_)
-      if (wanted(entry.number, entry.box))
-        large_.push_back({entry.row, entry.number + offset, entry.box});
-    fresh_.clear();
-    find_rows();
-  }
   void clear();
 
   /// From settle() on a box is found under this number.
@@ -55,7 +41,24 @@ class BoxRows {
 
   /// Appends the numbers of all boxes that overlap `box`, and perhaps of some that miss it by a
   /// millionth part, each once, in an order that depends on the boxes and their numbers only.
-  void find(const AuraBox& box, std::vector<Number>& found) const;
+  void find(const AuraBox& box, std::vector<Number>& found) const {
+    find_each(box, [&](const Hit& hit) { found.push_back(hit.number); });
+  }
+  /// One that is found. In their order by place the hits of two lists are those of one that holds
+  /// the boxes of both.
+  struct Hit {
+    Number number;
+    std::pair<std::int32_t, float> place;
+    const RoughBox& box;  ///< Valid until the list changes.
+  };
+  /// The same, as `found(hit)`.
+  template <class Found>
+  void find_each(const AuraBox& box, Found&& found) const {
+    const RoughBox asked = RoughBox::around(box);
+    for_each_row(asked, [&](const Entry& entry, std::int32_t row) {
+      if (entry.box.meets(asked)) found(Hit{entry.number, {row, entry.box.low[0]}, entry.box});
+    });
+  }
 
  private:
   struct Entry {
@@ -68,8 +71,26 @@ class BoxRows {
     if (a.box.low[0] != b.box.low[0]) return a.box.low[0] < b.box.low[0];
     return a.number < b.number;
   }
-  void begin(std::span<const AuraBox> boxes);
   void find_rows();
+  static std::int32_t row_of(float z);
+  /// Calls `look(entry, row)` for all that may overlap, row by row, and then for those kept apart.
+  template <class Look>
+  void for_each_row(const RoughBox& asked, Look&& look) const {
+    const auto rows = static_cast<std::int32_t>(begins_.size()) - 1;
+    const std::int32_t first = std::max(row_of(asked.low[2] - deepest_m_) - first_row_, 0);
+    const std::int32_t last = std::min(row_of(asked.high[2]) - first_row_, rows - 1);
+    const float from_x = asked.low[0] - widest_m_;
+    for (std::int32_t row = first; row <= last; ++row) {
+      const auto place = static_cast<std::size_t>(row);
+      auto at = entries_.begin() + begins_[place];
+      const auto end = entries_.begin() + begins_[place + 1];
+      if (end - at > long_row)
+        at = std::lower_bound(at, end, from_x,
+                              [](const Entry& entry, float x) { return entry.box.low[0] < x; });
+      for (; at != end && at->box.low[0] <= asked.high[0]; ++at) look(*at, at->row);
+    }
+    for (const Entry& entry : large_) look(entry, std::numeric_limits<std::int32_t>::max());
+  }
 
   std::vector<Entry> entries_;  ///< Sorted.
   std::vector<Entry> fresh_;    ///< Since settle().

@@ -18,7 +18,7 @@ namespace aureole {
 /// Most of a world sleeps most of the time. Whoever hosts sleeping bodies puts them here when they
 /// fall asleep and takes them out when they wake or go; in between they neither move nor change,
 /// and decisions find those that matter by where they lie. Who comes or goes costs one pass over
-/// their boxes a tick, and so does choosing those that a decision is shown.
+/// their boxes a tick.
 class Sleepers {
  public:
   /// Names a sleeper while it is here.

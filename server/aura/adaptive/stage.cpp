@@ -15,7 +15,6 @@ void Stage::begin(const MigrationSituation& situation) {
   admitted_.clear();
   ascending_.clear();
   number_in_slot_.clear();
-  if (situation.sleepers != nullptr) choose_sleepers();
 }
 
 void Stage::add(const HostedBody& body, const AuraCapsule& aura) {
@@ -59,26 +58,36 @@ void Stage::set_aura(std::uint32_t number, const AuraCapsule& aura) {
   boxes_[number] = aura.box();
 }
 
-void Stage::choose_sleepers() {
-  const View* view = situation_->view;
-  near_sleepers_.build(
-      {}, situation_->sleepers->rows(), 0, [&](Sleepers::Place, const RoughBox& box) {
-        return view == nullptr ||
-               view->holds((box.low[0] + box.high[0]) / 2, (box.low[2] + box.high[2]) / 2);
-      });
-}
-
 void Stage::sort_boxes() {
-  if (situation_->sleepers == nullptr) return rows_.build(boxes_);
-  rows_.build(boxes_, near_sleepers_, sleeper_mark,
-              [&](Sleepers::Place place, const RoughBox&) { return number_at(place) == none; });
+  rows_.build(boxes_);
+  sorted_ = size();
 }
 
 void Stage::find(AuraBox box, std::vector<std::uint32_t>& found) {
-  const std::size_t first = found.size();
-  rows_.find(box, found);
-  for (std::size_t k = first; k < found.size(); ++k)
-    if ((found[k] & sleeper_mark) != 0) found[k] = admit(found[k] & ~sleeper_mark);
+  hits_.clear();
+  if (situation_->sleepers != nullptr) find_sleepers(box);
+  // What comes of a look must not depend on who sleeps where.
+  auto sleeper = hits_.begin();
+  rows_.find_each(box, [&](const BoxRows::Hit& hit) {
+    for (; sleeper != hits_.end() && sleeper->place < hit.place; ++sleeper)
+      found.push_back(admit(sleeper->sleeper));
+    found.push_back(hit.number);
+  });
+  for (; sleeper != hits_.end(); ++sleeper) found.push_back(admit(sleeper->sleeper));
+}
+
+/// Those that the decision is shown and that the sorted boxes do not hold.
+void Stage::find_sleepers(const AuraBox& box) {
+  const View* view = situation_->view;
+  const auto is_shown = [&](const RoughBox& sleeper) {
+    return view == nullptr || view->holds((sleeper.low[0] + sleeper.high[0]) / 2,
+                                          (sleeper.low[2] + sleeper.high[2]) / 2);
+  };
+  situation_->sleepers->rows().find_each(box, [&](const BoxRows::Hit& hit) {
+    const std::uint32_t number = number_at(hit.number);
+    if ((number == none || number >= sorted_) && is_shown(hit.box))
+      hits_.push_back({hit.number, hit.place});
+  });
 }
 
 std::optional<std::uint32_t> Stage::number_of(BodyId id) {

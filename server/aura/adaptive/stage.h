@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "server/aura/aura_capsule.h"
@@ -51,7 +52,7 @@ class Stage {
 
  private:
   static constexpr std::uint32_t none = static_cast<std::uint32_t>(-1);
-  void choose_sleepers();
+  void find_sleepers(const AuraBox& box);
   std::uint32_t admit(Sleepers::Place place);
   std::uint32_t& number_at(Sleepers::Place place);
   void note_slots();
@@ -60,10 +61,13 @@ class Stage {
   std::vector<const HostedBody*> bodies_;
   std::vector<AuraCapsule> auras_;
   std::vector<AuraBox> boxes_;
-  BoxRows near_sleepers_;  ///< Those that the decision is shown, by place.
-  /// Boxes by number, and those of sleepers that are not among them by place, marked so.
-  BoxRows rows_;
-  static constexpr BoxRows::Number sleeper_mark = BoxRows::Number{1} << 31;
+  BoxRows rows_;              ///< Boxes by number, …
+  std::uint32_t sorted_ = 0;  ///< … of those below.
+  struct SleeperHit {
+    Sleepers::Place sleeper;
+    std::pair<std::int32_t, float> place;
+  };
+  std::vector<SleeperHit> hits_;                  ///< Only used within find().
   std::vector<std::uint32_t> number_of_sleeper_;  ///< By place; `none`: not on the stage.
   std::vector<Sleepers::Place> admitted_;         ///< Places with a number.
   std::vector<std::uint32_t> ascending_;
