@@ -23,7 +23,7 @@ struct Horizon {
 inline constexpr Horizon near_by{1.0, 0.5};
 /// Who has changed its owner within the last second goes as far as it may have to at once: it must
 /// not change it more than twice.
-inline constexpr Horizon far_around{16.0, 1.0};
+inline constexpr Horizon far_around{8.0, 1.0};
 
 /// The servers that have their region, or any aura, near something; ours is left out.
 class Neighbourhood {
