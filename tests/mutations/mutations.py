@@ -271,6 +271,22 @@ MUTATIONS = [
         ((AURA, "what has been asked for is not met halfway though its side has changed twice meanwhile"),),
     ),
     Mutation(
+        "swapped-places",
+        "what is near to what has been asked for is met halfway, though it may come along",
+        "server/aura/adaptive/contests.cpp",
+        "  asked_lately = asked_lately || meets_coming(contest, other);",
+        "",
+        ((AURA, "what may have become part of what comes here is asked for too, not met halfway"),),
+    ),
+    Mutation(
+        "late-follower",
+        "what is asked for again is followed to whoever came to it, however long ago that was",
+        "server/aura/adaptive/contests.cpp",
+        "  if (gave && (gave_lately || !asked)) return other;",
+        "  if (gave) return other;",
+        ((AURA, "who has come to what is asked for keeps it there for a round trip, and no longer"),),
+    ),
+    Mutation(
         "no-farewell",
         "whoever is handed a body is not told of what it leans on before it tells of its aura there",
         "server/aura/adaptive/contests.cpp",

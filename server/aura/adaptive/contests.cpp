@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <set>
 
 #include "server/aura/adaptive/aura_size.h"
 #include "server/aura/adaptive/homecoming.h"
@@ -15,6 +16,9 @@ namespace {
 /// the last second does so sooner.
 constexpr Horizon up_near{8.0, 1.0, true};
 constexpr Horizon up_near_again{32.0, 1.0, true};
+
+/// What is so near to a cluster, and to where it may soon get, may be part of it by now (m).
+constexpr double merging_m = 2.0;
 
 /// Ways of a second change little meanwhile.
 constexpr std::int64_t warning_interval_ticks = 4;
@@ -248,18 +252,58 @@ std::vector<Contests::Contest> Contests::joined_contests() const {
   return contests;
 }
 
+bool Contests::is_coming(const RemoteAura& aura) const {
+  const auto at = given_.find(aura.id);
+  return at != given_.end() && at->second.to == situation_->self &&
+         situation_->now - at->second.since <= hold_ticks_;
+}
+
+/// Whose clusters have lately been asked for, to come here, and are still told of.
+void Contests::note_coming() {
+  std::set<std::pair<RegionId, std::uint16_t>> clusters;
+  for (const RemoteAura& aura : situation_->remote)
+    if (aura.company.label != 0 && is_coming(aura))
+      clusters.insert({aura.host, aura.company.label});
+  coming_.clear();
+  std::vector<AuraBox> boxes;
+  for (const RemoteAura& aura : situation_->remote) {
+    if (!clusters.contains({aura.host, aura.company.label}) && !is_coming(aura)) continue;
+    coming_.push_back(aura.host);
+    boxes.push_back(aura.room.box());
+  }
+  coming_rows_.build(boxes);
+}
+
+/// Whether what the contest meets may have become part by now of a cluster that comes here.
+bool Contests::meets_coming(const Contest& contest, RegionId other) const {
+  if (coming_.empty()) return false;
+  std::vector<std::uint32_t> found;
+  for (const RemoteAura* aura : contest.meets) {
+    AuraBox room = aura->room.box();
+    room.half.array() += merging_m + aura->speed_mps * reach_s_;
+    coming_rows_.find(room, found);
+  }
+  return std::any_of(found.begin(), found.end(),
+                     [&](std::uint32_t i) { return coming_[i] == other; });
+}
+
 RegionId Contests::arbitrate(const Contest& contest, RegionId other) const {
   const RegionId self = situation_->self;
   std::uint8_t our_changes = 0, their_changes = 0;
-  std::optional<RegionId> given;
+  bool asked = false, gave = false;
   bool asked_lately = false;  // They may be on their way here.
+  bool gave_lately = false;   // Where it has come to what we asked for, that stays: is_overtaken().
   const auto note_given = [&](BodyId id) {
     const auto at = given_.find(id);
-    if (at != given_.end() && at->second.to == self)
-      asked_lately = asked_lately || situation_->now - at->second.since <= hold_ticks_;
-    // Up wins: what we asked for stays where what we gave has come to it (is_overtaken()).
-    if (at == given_.end() || (at->second.to != self && at->second.to != other)) return;
-    given = given ? std::max(*given, at->second.to) : at->second.to;
+    if (at == given_.end()) return;
+    const std::int64_t age = situation_->now - at->second.since;
+    if (at->second.to == self) {
+      asked = true;
+      asked_lately = asked_lately || age <= hold_ticks_;
+    } else if (at->second.to == other) {
+      gave = true;
+      gave_lately = gave_lately || age <= round_trip_ticks_;
+    }
   };
   Eigen::Vector3d theirs(0, 0, 0), ours(0, 0, 0);
   std::map<std::uint16_t, double> their_clusters;
@@ -287,8 +331,11 @@ RegionId Contests::arbitrate(const Contest& contest, RegionId other) const {
   // Who has changed its owner more often stays.
   const bool ours_stay = our_changes == Company::changes_max;
   const bool theirs_stay = their_changes == Company::changes_max;
+  asked_lately = asked_lately || meets_coming(contest, other);
   if (ours_stay != theirs_stay) return ours_stay || asked_lately ? self : other;
-  if (given) return *given;
+  // What has been asked for again since is about to come.
+  if (gave && (gave_lately || !asked)) return other;
+  if (asked || asked_lately) return self;
   // Of two that should stay the larger one does.
   if (ours_stay) return their_weight > our_weight ? other : self;
   if (our_changes != their_changes) return our_changes > their_changes ? self : other;
@@ -334,6 +381,7 @@ void Contests::remember(const Contest& contest, RegionId to) {
 
 std::vector<Contests::Verdict> Contests::verdicts() {
   const RegionId self = situation_->self;
+  note_coming();
   std::vector<Verdict> all;
   for (const Contest& contest : joined_contests()) {
     RegionSet others;

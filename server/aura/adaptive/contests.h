@@ -20,7 +20,9 @@ namespace aureole {
 ///
 ///   - Between two the lower number is the arbiter. It gives both sides to whoever's region the
 ///     middle of what meets lies in, each side weighted by how much would have to move; who has
-///     changed its owner twice within a second stays. It sends its own or asks for the other's.
+///     changed its owner twice within a second stays, and so does what meets something that has
+///     just been asked for, or is so near to it that the two may be one cluster by now: if it
+///     left, the two would swap places. It sends its own or asks for the other's.
 ///     The other one tells it of its side, and waits.
 ///   - Where a third server is near all go to the lowest: around a corner nobody sees everything.
 class Contests {
@@ -86,6 +88,9 @@ class Contests {
   std::uint8_t changes_of(const HostedBody& body) const;
   std::uint8_t changes_of(Clusters::Number cluster) const;
   RegionId arbitrate(const Contest& contest, RegionId other) const;
+  bool is_coming(const RemoteAura& aura) const;
+  void note_coming();
+  bool meets_coming(const Contest& contest, RegionId other) const;
   void remember(const Contest& contest, RegionId to);
   std::optional<RegionId> settled_host(const Contest& contest) const;
   bool meets_a_third_soon(const Contest& contest, RegionId other) const;
@@ -126,6 +131,9 @@ class Contests {
     Tick since;  ///< To the same server.
   };
   std::map<BodyId, Given> given_;
+  /// Who hosts each of the auras of clusters that have been asked for, and boxes around these.
+  std::vector<RegionId> coming_;
+  BoxRows coming_rows_;
 };
 
 }  // namespace aureole

@@ -144,6 +144,41 @@ TEST_CASE(
   REQUIRE(scene.decide(*policy, Tick{8}).leaving.size() == 1);
 }
 
+TEST_CASE("who has come to what is asked for keeps it there for a round trip, and no longer") {
+  // So long its host refuses; after that what has been asked for again comes, and whoever went to
+  // meet it would swap places with it.
+  for (const std::int64_t tick : {4, 6}) {
+    Scene scene;
+    const auto policy = make_adaptive_policy(AuraTolerances{});
+    scene.hosted = {awake_at(0, 9.9, 3)};
+    scene.remote = {aura(4, 1, false, 10.5, 3)};
+    REQUIRE(scene.decide(*policy, Tick{0}).leaving.size() == 1);
+    scene.hosted = {awake_at(1, 9.6, 3)};
+    scene.remote = {aura(2, 1, false, 10.1, 3)};
+    REQUIRE(scene.decide(*policy, Tick{2}).pulls.size() == 1);
+    scene.remote = {aura(0, 1, false, 10.1, 3.2), aura(2, 1, false, 10.1, 3)};
+    for (RemoteAura& aura : scene.remote) aura.company.label = 7;
+    REQUIRE(scene.decide(*policy, Tick{tick}).leaving.empty() == (tick == 6));
+  }
+}
+
+TEST_CASE("what may have become part of what comes here is asked for too, not met halfway") {
+  // By themselves the second two belong to the other side: if nothing near is on its way here.
+  for (const double apart_m : {2.0, 10.0}) {
+    const bool near = apart_m < 5;
+    Scene scene;
+    const auto policy = make_adaptive_policy(AuraTolerances{});
+    scene.hosted = {awake_at(0, 9.6, 0), awake_at(1, 9.9, apart_m)};
+    scene.remote = {aura(2, 1, false, 10.1, 0)};
+    REQUIRE(scene.decide(*policy, Tick{0}).pulls.size() == 1);
+    scene.remote.push_back(aura(3, 1, false, 10.3, apart_m));
+    const auto decision = scene.decide(*policy, Tick{2});
+    REQUIRE(decision.leaving.empty() == near);
+    REQUIRE(decision.pulls.size() == 1);
+    REQUIRE(decision.pulls[0].bodies.size() == (near ? 2u : 1u));
+  }
+}
+
 TEST_CASE("clusters that hang together through one of another server's get one verdict") {
   Scene scene;
   scene.hosted = {awake_at(0, 9.9, 0), awake_at(1, 9.0, 3)};
@@ -330,10 +365,10 @@ TEST_CASE("a body that meets two servers at a corner goes to the lowest one") {
 
 TEST_CASE("who has just changed its owner goes at once as far as it may have to") {
   Scene scene;
-  scene.map = PartitionMap({{-inf, -inf, 0, inf}, {0, -inf, 10, inf}, {10, -inf, inf, inf}});
+  scene.map = PartitionMap({{-inf, -inf, 0, inf}, {0, -inf, 5, inf}, {5, -inf, inf, inf}});
   scene.self = 2;
-  scene.hosted = {awake_at(0, 13)};  // 13 m from the lowest server's region.
-  scene.remote = {aura(1, 1, false, 13.5)};
+  scene.hosted = {awake_at(0, 7)};  // 7 m from the lowest server's region.
+  scene.remote = {aura(1, 1, false, 7.5)};
   REQUIRE(scene.decide().leaving.empty());  // The other one decides.
   scene.hosted[0].changed_owner = Tick{-long_stay_ticks + 1};
   REQUIRE(scene.decide().leaving[0].to == RegionId{0});
@@ -343,11 +378,12 @@ TEST_CASE("who has just changed its owner goes at once as far as it may have to"
 
 TEST_CASE("who has been followed is not led on to a server that nobody meets yet") {
   Scene scene;
-  scene.map = columns(4);
+  scene.map = PartitionMap(
+      {{-inf, -inf, 10, inf}, {10, -inf, 24, inf}, {24, -inf, 30, inf}, {30, -inf, inf, inf}});
   scene.self = 2;
   scene.hosted = {awake_at(0, 29.7)};
   scene.remote = {aura(1, 3, false, 30.3)};
-  scene.remote[0].company.changes = 1;  // Region 1 is 10 m away: near for whoever has moved.
+  scene.remote[0].company.changes = 1;  // Region 1 is 6 m away: near for whoever has moved.
   auto decision = scene.decide();
   REQUIRE(decision.leaving.empty());
   REQUIRE(decision.pulls.size() == 1);
