@@ -146,6 +146,8 @@ struct MigrationSituation {
   const View* view = nullptr;
   /// All bodies that sleep here; null: they are in `hosted`.
   const Sleepers* sleepers = nullptr;
+  /// How many bodies each server has awake, about, by region. Empty: nobody is compared.
+  std::span<const double> awake{};
 };
 
 /// Index of the body in `MigrationSituation::hosted`, if it is hosted here.

@@ -31,6 +31,7 @@ RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation 
       players_(world, map_, self, hosting_),
       stand_ins_(hosting_.physics()),
       hosted_bodies_(map_, self_, hosting_.statics()),
+      awake_everywhere_(world.regions.size(), 0.0),
       injected_(world.injectors.size(), 0),
       tolerances_(world.tolerances, self, world.regions.size()) {
   AUREOLE_CHECK(self.value < world.regions.size(), "a core is one of its world's regions");
@@ -156,6 +157,7 @@ Status RegionCore::receive(PeerId from, const Frame& frame) {
       const auto* message = verified<wire::RegionStatus>(frame.payload);
       if (message == nullptr) return Error{"a region status is not a valid message"};
       peer.bodies = message->bodies();
+      note_awake(from.as_region(), message->awake());
       return Ok{};
     }
     default:
@@ -166,6 +168,13 @@ Status RegionCore::receive(PeerId from, const Frame& frame) {
 
 void RegionCore::link_measured(RegionId peer, double latency_ms) {
   tolerances_.link_measured(peer, latency_ms);
+}
+
+/// As told in statuses, ours as well: smoothed over about a second, for blows wake whole heaps for
+/// a moment.
+void RegionCore::note_awake(RegionId region, std::size_t awake) {
+  double& mean = awake_everywhere_[region.value];
+  mean += (static_cast<double>(awake) - mean) / 4;
 }
 
 bool RegionCore::has_room(std::size_t more) const {

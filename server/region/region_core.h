@@ -191,6 +191,7 @@ class RegionCore {
   void send_player_output();
   void publish(Tick now, const SharedBytes& update, const ShellMeasurements& measured);
   std::vector<VersionedBody> passive_copies() const;
+  void note_awake(RegionId region, std::size_t awake);
   bool has_room(std::size_t more) const;
   bool is_up(RegionId region) const;
   bool waits_for_auras(RegionId region, const Peer& peer, Tick now) const;
@@ -230,6 +231,7 @@ class RegionCore {
   std::deque<BlastEffect> blasts_;           ///< To come and recent, by tick.
   std::map<BodyId, Tick> pending_removals_;  ///< Of bodies that may be on their way here.
   HostedBodies hosted_bodies_;
+  std::vector<double> awake_everywhere_;  ///< By region, smoothed; 0: not heard of.
   std::vector<RemoteAura> remote_auras_;  ///< Of bodies that are not hosted here.
   PlayerOutput player_output_;
   std::vector<Outgoing> outbox_;

@@ -172,7 +172,7 @@ MigrationDecision RegionCore::decide(Tick now) {
     const std::span<const HostedBody> hosted = look_at_hosted(now, whole);
     decision = policy_->decide({now, self_, map_, hosted, remote_auras_, handover_requests_, linked,
                                 &contacts, whole ? nullptr : &hosted_bodies_.strip(),
-                                hosted_bodies_.sleepers()});
+                                hosted_bodies_.sleepers(), awake_everywhere_});
     if (!decision.sees_too_little) break;
     ++extra_.whole_looks;
   }

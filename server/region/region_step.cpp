@@ -328,7 +328,10 @@ SharedBytes RegionCore::acknowledgement(Peer& peer) {
 void RegionCore::publish(Tick now, const SharedBytes& update, const ShellMeasurements& measured) {
   const auto avatars = players_.avatars();
   SharedBytes status, sign_of_life;
-  if (now.value % status_interval_ticks == 0) status = status_frame(now, measured);
+  if (now.value % status_interval_ticks == 0) {
+    note_awake(self_, hosting_.physics().awake_count());
+    status = status_frame(now, measured);
+  }
   for (auto& [id, peer] : peers_) {
     if (!peer.up) continue;
     if (id.is_region()) {

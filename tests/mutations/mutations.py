@@ -295,6 +295,33 @@ MUTATIONS = [
         ((AURA, "whoever is handed a body is told at once of what it leans on, until it has been heard"),),
     ),
     Mutation(
+        "long-farewell",
+        "whoever is handed what rests is told of everything around it",
+        "server/aura/adaptive/contests.cpp",
+        "    wide.half.array() += outlook_->rests(member)\n",
+        "    wide.half.array() += outlook_->rests(member) && visitor_clearance_m_ < 0\n",
+        ((AURA, "whoever is handed what rests is not told of what that does not lean on"),),
+    ),
+    Mutation(
+        "fixed-line",
+        "the line between two servers stays where it is, however much one has to do",
+        "server/aura/adaptive/contests.cpp",
+        "  return distance(other) - distance(self) < shift_m ? other : self;",
+        "  return distance(other) - distance(self) < 0 * shift_m ? other : self;",
+        (
+            (AURA, "the arbiter gives away what lies on its own side while it has more to do"),
+            (AURA, "the arbiter fetches what lies on the other side while it has less to do"),
+        ),
+    ),
+    Mutation(
+        "turned-around",
+        "so much is given away that the other server has more to do",
+        "server/aura/adaptive/load_balance.cpp",
+        "  if (more > 0 ? here.contested > more : there.contested > -more) return 0;\n",
+        "",
+        ((AURA, "the line is not shifted for so many bodies that the other one would have more to do"),),
+    ),
+    Mutation(
         "left-out-decision",
         "a decision whose tick was left out is not made up for",
         "server/region/region_migration.cpp",

@@ -7,6 +7,7 @@
 
 #include "server/aura/adaptive/aura_size.h"
 #include "server/aura/adaptive/homecoming.h"
+#include "server/aura/adaptive/load_balance.h"
 
 namespace aureole {
 namespace {
@@ -19,6 +20,9 @@ constexpr Horizon up_near_again{32.0, 1.0, true};
 
 /// What is so near to a cluster, and to where it may soon get, may be part of it by now (m).
 constexpr double merging_m = 2.0;
+
+/// What rests leans on what is no further away (m).
+constexpr double leaning_m = 0.1;
 
 /// Ways of a second change little meanwhile.
 constexpr std::int64_t warning_interval_ticks = 4;
@@ -81,7 +85,9 @@ void Contests::note_leaving(Clusters::Number cluster, RegionId to) {
   std::vector<std::uint32_t> found;
   for (const std::uint32_t member : clusters_->members(cluster)) {
     AuraBox wide = outlook_->box(member);
-    wide.half.array() += visitor_clearance_m_ + outlook_->expected_mps(member) * reach_s_;
+    wide.half.array() += outlook_->rests(member)
+                             ? leaning_m
+                             : visitor_clearance_m_ + outlook_->expected_mps(member) * reach_s_;
     outlook_->find(wide, found);
   }
   make_room();
@@ -344,7 +350,11 @@ RegionId Contests::arbitrate(const Contest& contest, RegionId other) const {
   const auto distance = [&](RegionId region) {
     return situation_->map.area(region).distance(middle.x(), middle.z());
   };
-  return distance(other) < distance(self) ? other : self;
+  const std::span<const double> awake = situation_->awake;
+  const double shift_m = awake.empty() ? 0
+                                       : line_shift_m({awake[self.value], our_weight},
+                                                      {awake[other.value], their_weight});
+  return distance(other) - distance(self) < shift_m ? other : self;
 }
 
 /// The lowest server whose side has changed its owner as often as it should.

@@ -118,6 +118,7 @@ struct Scene {
   std::vector<bool> linked = std::vector<bool>(16, true);
   const ContactSource* contacts = nullptr;
   const View* view = nullptr;
+  std::vector<double> awake;  ///< By region.
 
   /// The same with those who sleep, and with whom nothing is to happen, among the hosted bodies or
   /// apart: what comes of it must not depend on it.
@@ -125,8 +126,8 @@ struct Scene {
   MigrationDecision decide(MigrationPolicy& policy, Tick now,
                            Asleep asleep = Asleep::among_hosted) const {
     if (asleep == Asleep::among_hosted)
-      return policy.decide(
-          {now, RegionId{self}, map, hosted, remote, requested, linked, contacts, view});
+      return policy.decide({now, RegionId{self}, map, hosted, remote, requested, linked, contacts,
+                            view, nullptr, awake});
     Sleepers sleepers(map.area(RegionId{self}));
     std::vector<HostedBody> shown;
     for (const HostedBody& body : hosted) {
@@ -135,8 +136,8 @@ struct Scene {
         shown.push_back(body);
     }
     sleepers.settle();
-    return policy.decide(
-        {now, RegionId{self}, map, shown, remote, requested, linked, contacts, view, &sleepers});
+    return policy.decide({now, RegionId{self}, map, shown, remote, requested, linked, contacts,
+                          view, &sleepers, awake});
   }
   MigrationDecision decide() const {
     const auto apart = decide(*make_adaptive_policy(AuraTolerances{}), Tick{0}, Asleep::apart);

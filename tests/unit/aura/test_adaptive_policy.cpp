@@ -118,6 +118,21 @@ TEST_CASE("whoever is handed a body is told at once of what it leans on, until i
   }
 }
 
+TEST_CASE("whoever is handed what rests is not told of what that does not lean on") {
+  // What is told of becomes a stand-in, which wakes what touches it when it is taken back.
+  Scene scene;
+  scene.hosted = {asleep_at(0, 4), asleep_at(1, 4, 1.0)};
+  scene.requested = {{name(0), RegionId{1}}};
+  auto decision = scene.decide();
+  REQUIRE(decision.leaving.size() == 1);
+  REQUIRE(told_of(decision, name(1)).empty());
+  // What moves may lean on it by the time its new host has been heard.
+  scene.hosted[0] = awake_at(0, 4);
+  decision = scene.decide();
+  REQUIRE(decision.leaving.size() == 1);
+  REQUIRE(told_of(decision, name(1)) == regions({1}));
+}
+
 TEST_CASE("what is carried belongs to its carrier's cluster, however far away it hangs") {
   Scene scene;
   scene.hosted = {awake_at(0, 9.4), awake_at(1, 4)};

@@ -1,0 +1,22 @@
+// How evenly two servers are loaded, and what follows from it for the line between them.
+#pragma once
+
+namespace aureole {
+
+/// What a server has to do, and what it would give away.
+struct SideLoad {
+  double awake = 0;      ///< All bodies that it has awake, about; 0: nothing has been heard of it.
+  double contested = 0;  ///< Those among them that one of the two is to have, about.
+};
+
+/// How far the line between two regions is shifted into that of `here`, whose clusters go to the
+/// other side there (m); negative: the other way. It follows the difference between the two, up to
+/// 6 m: who is given more of a heap along the boundary hosts it farther from home. Not where so
+/// many bodies would turn the difference around.
+///
+/// Only where two meet. Where three do, all go to the one that comes first in an order that never
+/// changes: an order by what servers have to do was tried, changed at the same tick by all of them,
+/// and evens out a corner of four; but what has just come to the first has to go on to the next.
+double line_shift_m(SideLoad here, SideLoad there);
+
+}  // namespace aureole

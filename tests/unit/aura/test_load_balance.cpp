@@ -1,0 +1,68 @@
+// Who gets what two servers contest where one has more to do than the other.
+#include "server/aura/adaptive/load_balance.h"
+#include "tests/support/catch.h"
+#include "tests/unit/aura/adaptive_scene.h"
+
+using namespace aureole;
+using namespace aureole::adaptive_scene;
+
+TEST_CASE("the line is shifted towards who has more to do, both ways alike, and not for ever") {
+  const double shift = line_shift_m({1010, 1}, {1000, 1});
+  REQUIRE(shift > 0.5);
+  REQUIRE(shift < 3);
+  REQUIRE(line_shift_m({1000, 1}, {1010, 1}) == Approx(-shift));
+  REQUIRE(line_shift_m({1000, 1}, {1000, 1}) == 0);
+  REQUIRE(line_shift_m({1000, 1}, {100, 1}) == Approx(6));
+  REQUIRE(line_shift_m({100, 1}, {1000, 1}) == Approx(-6));
+}
+
+TEST_CASE("the line is not shifted for so many bodies that the other one would have more to do") {
+  REQUIRE(line_shift_m({1010, 10}, {1000, 1000}) > 0);
+  REQUIRE(line_shift_m({1010, 11}, {1000, 0}) == 0);
+  REQUIRE(line_shift_m({1000, 1000}, {1010, 10}) < 0);
+  REQUIRE(line_shift_m({1000, 0}, {1010, 11}) == 0);
+}
+
+TEST_CASE("a few bodies hardly shift the line, and a server that says nothing not at all") {
+  REQUIRE(line_shift_m({3, 1}, {1, 1}) < 5);
+  REQUIRE(line_shift_m({1000, 1}, {0, 1}) == 0);
+  REQUIRE(line_shift_m({0, 1}, {1000, 1}) == 0);
+}
+
+TEST_CASE("the arbiter gives away what lies on its own side while it has more to do") {
+  Scene scene;
+  scene.hosted = {awake_at(0, 9.4)};
+  scene.remote = {aura(1, 1, false, 10.1)};
+  REQUIRE(scene.decide().leaving.empty());
+  scene.awake = {1000, 900};
+  const auto decision = scene.decide();
+  REQUIRE(decision.pulls.empty());
+  REQUIRE(decision.leaving.size() == 1);
+  REQUIRE(decision.leaving[0].to == RegionId{1});
+}
+
+TEST_CASE("the arbiter fetches what lies on the other side while it has less to do") {
+  Scene scene;
+  scene.hosted = {awake_at(0, 9.9)};
+  scene.remote = {aura(1, 1, false, 10.6)};
+  REQUIRE(scene.decide().pulls.empty());
+  scene.awake = {900, 1000};
+  const auto decision = scene.decide();
+  REQUIRE(decision.leaving.empty());
+  REQUIRE(decision.pulls.size() == 1);
+}
+
+TEST_CASE("where three meet all go to the lowest, however much it has to do") {
+  Scene scene;
+  scene.map = PartitionMap({{-inf, -inf, 10, 0}, {10, -inf, inf, 0}, {-inf, 0, inf, inf}});
+  scene.self = 1;
+  scene.hosted = {awake_at(1, 10.3, -0.3)};
+  scene.remote = {aura(0, 0, false, 9.7, -0.3), aura(2, 2, false, 10, 0.2)};
+  for (const std::vector<double>& awake :
+       {std::vector<double>{}, {500, 500, 500}, {900, 300, 300}, {300, 900, 900}}) {
+    scene.awake = awake;
+    const auto decision = scene.decide();
+    REQUIRE(decision.leaving.size() == 1);
+    REQUIRE(decision.leaving[0].to == RegionId{0});
+  }
+}
