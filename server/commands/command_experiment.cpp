@@ -211,6 +211,12 @@ void add_experiment(CLI::App& app, int& exit_code) {
                    "Repeats that cut, ideal and single run beside, if not all: they take longer\n"
                    "than ours, and only maxima need many repeats")
       ->check(CLI::Range(1, 1000));
+  command
+      ->add_option("--cold-caches", e.cold_caches_s,
+                   "s: so long before the end every frame begins with cold caches, so that many\n"
+                   "servers in one process, which share them, can be compared with few")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 3600.0));
   command->add_flag("--judge,!--no-judge", e.judged,
                     "Run it once more for the oracles to look at (on by default)");
   command->add_option("--json", o->json, "Write all figures to this file");

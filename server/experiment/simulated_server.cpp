@@ -69,6 +69,7 @@ double SimulatedServer::draw_frame_ms(Micros at) {
 
 void SimulatedServer::wake(SimulatedNetwork& network, Micros now, const Observer& observer) {
   AUREOLE_CHECK(core_ != nullptr, "only what runs wakes");
+  if (pace_.before_frame) pace_.before_frame();
   if (profile_) profile_->clear();
   take_deliveries(network, now);
   Micros at = now;

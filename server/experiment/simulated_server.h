@@ -21,6 +21,8 @@ struct SimulatedPace {
   StepProfile::Clocks clocks;
   /// The latency tolerance follows what links measure.
   bool follow_latency = false;
+  /// Before a server does anything that is profiled, if there is any.
+  std::function<void()> before_frame = {};
 };
 
 /// Does what server/net/region_server.cpp does, without sockets and clocks: at most two steps in

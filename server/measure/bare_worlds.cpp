@@ -10,10 +10,12 @@
 
 namespace aureole {
 
-BareWorlds::BareWorlds(const WorldDefinition& world, Crossing crossing, StepProfile::Clocks clocks)
+BareWorlds::BareWorlds(const WorldDefinition& world, Crossing crossing, StepProfile::Clocks clocks,
+                       std::function<void()> before_frame)
     : world_(world),
       crossing_(crossing),
       profile_(clocks),
+      before_frame_(std::move(before_frame)),
       map_(partition_of(world)),
       injected_(world.injectors.size(), 0),
       frames_(world.regions.size()) {
@@ -28,6 +30,7 @@ void BareWorlds::tick() {
   now_ = now_ + 1;
   const auto born = newcomers();
   for (std::size_t r = 0; r < worlds_.size(); ++r) {
+    if (before_frame_) before_frame_();
     profile_.clear();
     profile_.enter(StepProfile::Part::physics);
     worlds_[r].add(born[r]);

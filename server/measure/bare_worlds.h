@@ -1,6 +1,7 @@
 // Regions as physics worlds without servers: the limits that servers are measured against.
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "server/aura/partition_map.h"
@@ -18,8 +19,9 @@ class BareWorlds final : public MeasuredRun {
     stays,        ///< `ideal`: worlds that do not talk.
     handed_over,  ///< `cut`: at the end of its tick, with its contacts, at no cost.
   };
-  /// `world` must outlive the run.
-  BareWorlds(const WorldDefinition& world, Crossing crossing, StepProfile::Clocks clocks);
+  /// `world` must outlive the run. `before_frame`: before each, if there is any.
+  BareWorlds(const WorldDefinition& world, Crossing crossing, StepProfile::Clocks clocks,
+             std::function<void()> before_frame = {});
 
   void tick() override;
   const std::vector<FrameTime>& frames() const override { return frames_; }
@@ -37,6 +39,7 @@ class BareWorlds final : public MeasuredRun {
   const WorldDefinition& world_;
   Crossing crossing_;
   StepProfile profile_;
+  std::function<void()> before_frame_;
   PartitionMap map_;
   std::vector<BodyDefinition> definitions_;
   std::vector<StaticDefinition> statics_;

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "server/measure/bare_worlds.h"
+#include "server/measure/cold_caches.h"
 #include "server/measure/judgement.h"
 #include "server/measure/region_servers.h"
 #include "server/measure/report.h"
@@ -63,14 +65,26 @@ class Experiment {
     return options;
   }
 
-  std::unique_ptr<MeasuredRun> start(const std::string& mode) const {
+  std::function<void()> before_frame() {
+    const double cold_s = r_.options.cold_caches_s;
+    if (cold_s <= 0) return {};
+    if (!cold_caches_) cold_caches_.emplace();
+    return [this, from_s = r_.options.workload.seconds - cold_s] {
+      if (now_.seconds() > from_s) cold_caches_->chill();
+    };
+  }
+
+  std::unique_ptr<MeasuredRun> start(const std::string& mode) {
     if (mode == "cut")
-      return std::make_unique<BareWorlds>(r_.world, BareWorlds::Crossing::handed_over,
-                                          cpu_clocks());
+      return std::make_unique<BareWorlds>(r_.world, BareWorlds::Crossing::handed_over, cpu_clocks(),
+                                          before_frame());
     if (mode == "ideal")
-      return std::make_unique<BareWorlds>(r_.world, BareWorlds::Crossing::stays, cpu_clocks());
+      return std::make_unique<BareWorlds>(r_.world, BareWorlds::Crossing::stays, cpu_clocks(),
+                                          before_frame());
+    RegionServers::Options options = server_options();
+    options.before_frame = before_frame();
     return std::make_unique<RegionServers>(mode == "single" ? in_one_region(r_.world) : r_.world,
-                                           server_options());
+                                           options);
   }
 
   Status measure(int repeat) {
@@ -90,6 +104,7 @@ class Experiment {
       for (std::size_t i = 0; i < runs.size(); ++i) {
         const std::size_t which = (turn + i) % runs.size();
         for (Tick now = from; now <= to; now = now + 1) {
+          now_ = now;
           runs[which]->tick();
           r_.runs.at(r_.modes[which]).note(now, *runs[which]);
           if (compared && which == 0) r_.beside->note(now, *runs[which]);
@@ -112,6 +127,8 @@ class Experiment {
 
   ExperimentRecord r_;
   bool talks_;
+  Tick now_;  ///< That is being measured.
+  std::optional<ColdCaches> cold_caches_;
   const Progress& progress_;
 };
 

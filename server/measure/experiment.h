@@ -22,6 +22,8 @@ struct ExperimentOptions {
   double loss_pct = 0;    ///< Of TCP segments; see PacketLoss.
   /// The latency tolerance follows what links measure (FollowedLatency).
   bool follow_latency = false;
+  /// So long before the end every frame begins with cold caches (ColdCaches).
+  double cold_caches_s = 0;
   /// Whether modes of servers that talk are also run as `cut` and `ideal`.
   bool with_references = true;
   /// In how many of the repeats, at most; they are compared with the same repeats of ours.

@@ -1,6 +1,7 @@
 // Region servers of a world in virtual time, with one gateway, as something that can be measured.
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "server/experiment/simulation.h"
@@ -19,6 +20,8 @@ class RegionServers final : public MeasuredRun {
     StepProfile::Clocks clocks;   ///< None: frames take no time.
     bool judged = false;          ///< By the oracles, which costs more than the run.
     bool follow_latency = false;  ///< Else the world's tolerance stands.
+    /// Before each frame, if there is any.
+    std::function<void()> before_frame;
   };
   RegionServers(WorldDefinition world, const Options& options);
 

@@ -136,6 +136,7 @@ class Report {
         {"latency_ms", o.latency_ms},
         {"jitter_ms", o.jitter_ms},
         {"loss_pct", o.loss_pct},
+        {"cold_caches_s", o.cold_caches_s},
         {"region_m", workload_region_m},
         {"step_ms", tick_us / 1e3},
         {"tolerances",

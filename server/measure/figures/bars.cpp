@@ -180,8 +180,20 @@ class Bars {
                       wanted = "at most 10 % apart";
     if (before <= 0 || after <= 0) return add(bar, wanted, "no run", Verdict::unknown);
     const double more = after / before - 1;
-    add(bar, wanted, fmt::format("{:+.1f} % ({:.3f} → {:.3f} ms)", more * 100, before, after),
+    add(bar, wanted,
+        fmt::format("{:+.1f} % ({:.3f} → {:.3f} ms{})", more * 100, before, after,
+                    with_shared_caches(*few, *many)),
         std::abs(more) <= 0.1 ? Verdict::passed : Verdict::failed);
+  }
+
+  /// How the same looked just before caches were cold, if they were.
+  static std::string with_shared_caches(const FinishedRun& few, const FinishedRun& many) {
+    if (few.plan.cold_caches_s <= 0 || many.plan.cold_caches_s <= 0) return "";
+    const auto before = median_server_ms_before(few.report),
+               after = median_server_ms_before(many.report);
+    if (!before || !after || *before <= 0) return "; caches cold";
+    return fmt::format("; caches cold; with shared ones before that {:+.1f} %, {:.3f} → {:.3f} ms",
+                       (*after / *before - 1) * 100, *before, *after);
   }
 
   const std::vector<FinishedRun>& runs_;

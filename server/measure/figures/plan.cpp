@@ -32,6 +32,7 @@ struct Row {
   PlannedTolerances tolerances = {};
   double rate_per_s = 160;
   bool references = false;
+  double cold_caches_s = 0;
 };
 
 const std::vector<Kind> both = {{"adaptive"}, {"paper"}};
@@ -59,7 +60,7 @@ const std::vector<Row>& full_table() {
     {Study::latency, "corner", {4}, fixed_and_following, 30, 1, Knob::loss,    {0.1, 0.5, 1, 2, 5}, slow},
     {Study::tolerances, "corner", {4}, both, 30, 1, Knob::speed_tolerance,   {4, 8, 16, 32, 64}},
     {Study::tolerances, "corner", {4}, both, 30, 1, Knob::latency_tolerance, {1, 2, 5, 10, 20, 40, 80}, late},
-    {Study::weak, "grid", {4, 16, 64}, {{"adaptive"}}, 60, 1, Knob::none, {0}, {}, {}, weak_rate_per_s},
+    {Study::weak, "grid", {4, 16, 64}, {{"adaptive"}}, 60, 1, Knob::none, {0}, {}, {}, weak_rate_per_s, false, 10},
   };
   return table;
 }
@@ -74,7 +75,7 @@ const std::vector<Row>& quick_table() {
     {Study::latency, "corner", {4}, fixed_and_following, 15, 1, Knob::loss,    {1, 5},   slow},
     {Study::tolerances, "corner", {4}, both, 15, 1, Knob::speed_tolerance,   {8, 32, 64}},
     {Study::tolerances, "corner", {4}, both, 15, 1, Knob::latency_tolerance, {2, 20, 80}, late},
-    {Study::weak, "grid", {4, 16, 64}, {{"adaptive"}}, 15, 1, Knob::none, {0}, {}, {}, weak_rate_per_s},
+    {Study::weak, "grid", {4, 16, 64}, {{"adaptive"}}, 15, 1, Knob::none, {0}, {}, {}, weak_rate_per_s, false, 10},
   };
   return table;
 }
@@ -117,6 +118,7 @@ void add_runs(const Row& row, const PlanOptions& options, std::vector<PlannedRun
         run.rate_per_s = options.rate_per_s.value_or(row.rate_per_s);
         run.repeats = kind.once ? 1 : options.repeats.value_or(row.repeats);
         run.seed = options.seed;
+        run.cold_caches_s = row.cold_caches_s;
         run.network = row.network;
         run.tolerances = row.tolerances;
         run.tolerances.follow = kind.follow;
@@ -196,6 +198,7 @@ std::vector<std::string> PlannedRun::arguments() const {
   if (!references) words.push_back("--no-references");
   if (references && !single) words.push_back("--no-single");
   if (references && repeats > 1) option("--reference-repeats", "1");
+  if (cold_caches_s > 0) option("--cold-caches", plain(cold_caches_s));
   return words;
 }
 
@@ -224,7 +227,8 @@ nlohmann::json to_json(const PlannedRun& run) {
           {"tolerances_follow", run.tolerances.follow},
           {"judged", run.judged},
           {"references", run.references},
-          {"single", run.single}};
+          {"single", run.single},
+          {"cold_caches_s", run.cold_caches_s}};
 }
 
 Result<PlannedRun> planned_run_from(const nlohmann::json& value) {
@@ -248,7 +252,9 @@ Result<PlannedRun> planned_run_from(const nlohmann::json& value) {
     value.at("tolerances_follow").get_to(run.tolerances.follow);
     value.at("judged").get_to(run.judged);
     value.at("references").get_to(run.references);
-    value.at("single").get_to(run.single);
+    // Files of older builds do not say these.
+    run.single = value.value("single", run.references && run.mode == "adaptive");
+    run.cold_caches_s = value.value("cold_caches_s", 0.0);
     return run;
   } catch (const nlohmann::json::exception& wrong) {
     return Error{wrong.what()};

@@ -56,6 +56,8 @@ struct PlannedRun {
   bool judged = true;      ///< Whether oracles look at it once more.
   bool references = true;  ///< Whether `cut` and `ideal` run beside its first repeat.
   bool single = true;      ///< Whether `single` does, too.
+  /// Frames of so many last seconds begin with cold caches.
+  double cold_caches_s = 0;
 
   bool operator==(const PlannedRun&) const = default;
   /// Of its file, without the end; differs from that of every other run in the plan.

@@ -19,14 +19,39 @@ const json* member(const json& object, std::string_view key) {
   return found == object.end() ? nullptr : &*found;
 }
 
-/// The last two buckets of 5 s: what "last 10 s" means everywhere.
-std::vector<const json*> last_two(const json& report) {
+/// Two buckets of 5 s, or fewer if there are no more, with `after` more behind them.
+std::vector<const json*> two_before(std::size_t after, const json& report) {
   const json& buckets = buckets_of(report);
-  std::vector<const json*> last;
-  for (std::size_t i = buckets.size() - std::min<std::size_t>(buckets.size(), 2);
-       i < buckets.size(); ++i)
-    last.push_back(&buckets[i]);
-  return last;
+  const std::size_t end = buckets.size() - std::min(buckets.size(), after);
+  std::vector<const json*> two;
+  for (std::size_t i = end - std::min<std::size_t>(end, 2); i < end; ++i)
+    two.push_back(&buckets[i]);
+  return two;
+}
+
+/// What "last 10 s" means everywhere.
+std::vector<const json*> last_two(const json& report) {
+  return two_before(0, report);
+}
+
+/// Each server's mean frame, sorted.
+std::vector<double> server_ms_in(const std::vector<const json*>& buckets) {
+  std::vector<double> means;
+  for (const json* bucket : buckets) {
+    const json* servers = member(*bucket, "server_ms");
+    if (servers == nullptr || !servers->is_array()) return {};
+    means.resize(std::max(means.size(), servers->size()));
+    for (std::size_t server = 0; server < servers->size(); ++server)
+      if ((*servers)[server].is_number())
+        means[server] += (*servers)[server].get<double>() / static_cast<double>(buckets.size());
+  }
+  std::sort(means.begin(), means.end());
+  return means;
+}
+
+std::optional<double> median_of(const std::vector<double>& sorted) {
+  if (sorted.empty()) return std::nullopt;
+  return (sorted[(sorted.size() - 1) / 2] + sorted[sorted.size() / 2]) / 2;
 }
 
 }  // namespace
@@ -108,25 +133,16 @@ std::optional<FrameParts> last_parts(const json& report) {
 }
 
 std::vector<double> last_server_ms(const json& report) {
-  std::vector<double> means;
-  const auto last = last_two(report);
-  for (const json* bucket : last) {
-    const json* servers = member(*bucket, "server_ms");
-    if (servers == nullptr || !servers->is_array()) return {};
-    means.resize(std::max(means.size(), servers->size()));
-    for (std::size_t server = 0; server < servers->size(); ++server)
-      if ((*servers)[server].is_number())
-        means[server] += (*servers)[server].get<double>() / static_cast<double>(last.size());
-  }
-  std::sort(means.begin(), means.end());
-  return means;
+  return server_ms_in(last_two(report));
 }
 
 std::optional<double> median_server_ms(const json& report) {
   if (const auto value = number_at(report, "last_10_s/median_server_ms")) return value;
-  const auto means = last_server_ms(report);
-  if (means.empty()) return std::nullopt;
-  return (means[(means.size() - 1) / 2] + means[means.size() / 2]) / 2;
+  return median_of(last_server_ms(report));
+}
+
+std::optional<double> median_server_ms_before(const json& report) {
+  return median_of(server_ms_in(two_before(2, report)));
 }
 
 std::optional<double> bytes_per_server_and_s(const json& report) {

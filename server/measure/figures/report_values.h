@@ -46,6 +46,9 @@ std::vector<double> last_server_ms(const nlohmann::json& report);
 /// The middle one of them.
 std::optional<double> median_server_ms(const nlohmann::json& report);
 
+/// The same over the two buckets before those.
+std::optional<double> median_server_ms_before(const nlohmann::json& report);
+
 /// What one server sends in a second (bytes), over the whole run.
 std::optional<double> bytes_per_server_and_s(const nlohmann::json& report);
 

@@ -206,6 +206,7 @@ void add_weak_figure(const StudyRuns& runs, std::vector<Figure>& figures,
   if (runs.runs.empty()) return;
   Curve median{{}, colour::blue, Dash::solid, PointMark::circle, "median", 2},
       worst{{}, colour::sky, Dash::solid, PointMark::triangle, "busiest", 2},
+      shared{{}, colour::grey, Dash::dashed, PointMark::circle, "median, shared caches", 2},
       bytes{{}, colour::green, Dash::solid, PointMark::circle, "", 2};
   for (const FinishedRun* run : runs.runs) {
     const double servers = run->plan.servers;
@@ -218,6 +219,8 @@ void add_weak_figure(const StudyRuns& runs, std::vector<Figure>& figures,
     };
     note(median, "times of its servers", median_server_ms(run->report));
     note(worst, "worst_server_ms", number_at(run->report, "last_10_s/worst_server_ms"));
+    if (run->plan.cold_caches_s > 0)
+      note(shared, "times of its servers before", median_server_ms_before(run->report));
     const auto sent = bytes_per_server_and_s(run->report);
     note(bytes, "bytes of its links", sent ? std::optional(*sent / 1e3) : std::nullopt);
   }
@@ -233,22 +236,27 @@ void add_weak_figure(const StudyRuns& runs, std::vector<Figure>& figures,
     for (const auto& point : curve.points) most = std::max(most, point.second);
     return most;
   };
-  Panel frames{74,
-               104,
-               360,
-               236,
-               "a server's mean frame in the last 10 s",
-               x,
-               linear_scale("ms", 1.05 * std::max(largest(median), largest(worst))),
-               {},
-               {},
-               {}};
+  Panel frames{
+      74,
+      104,
+      360,
+      236,
+      "a server's mean frame in the last 10 s",
+      x,
+      linear_scale("ms", 1.05 * std::max({largest(median), largest(worst), largest(shared)})),
+      {},
+      {},
+      {}};
   if (!median.points.empty()) {
     const double goal = median.points.front().second;
     frames.bars = {{x.from, x.to, goal * 0.9, goal * 1.1, "#dce9f3"}};
     sheet.subtitle += "; band: within 10 % of the median on the fewest servers";
   }
   frames.curves = {worst, median};
+  if (!shared.points.empty()) {
+    sheet.subtitle += "; caches cold but where said, the 10 s before";
+    frames.curves.push_back(shared);
+  }
   Panel wire{514,
              104,
              360,

@@ -1,8 +1,12 @@
 // Small runs of every mode: the report is whole, bodies agree, and the same seed is the same run.
 #include "server/measure/experiment.h"
 
+#include <nlohmann/json.hpp>
 #include <set>
 
+#include "server/measure/bare_worlds.h"
+#include "server/measure/cold_caches.h"
+#include "server/measure/region_servers.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;
@@ -52,6 +56,44 @@ json without_times(const json& value) {
 const char* const every_mode[] = {"single", "naive", "paper", "adaptive", "ideal", "cut"};
 
 }  // namespace
+
+TEST_CASE("cold caches change times and nothing else") {
+  for (const std::string mode : {"adaptive", "cut"}) {
+    CAPTURE(mode);
+    ExperimentOptions options = small(mode);
+    options.judged = false;
+    options.workload.seconds = 1;
+    const json warm = run(options);
+    options.cold_caches_s = 0.5;
+    const json cold = run(options);
+    CHECK(warm["experiment"]["cold_caches_s"] == 0);
+    CHECK(cold["experiment"]["cold_caches_s"] == 0.5);
+    CHECK(warm["state_hash"] == cold["state_hash"]);
+  }
+}
+
+TEST_CASE("caches are chilled before each frame of each server") {
+  const auto world = workload_world(small("adaptive").workload);
+  REQUIRE(world);
+  int frames = 0;
+  const auto count = [&] { ++frames; };
+  RegionServers::Options options;
+  options.before_frame = count;
+  RegionServers servers(*world, options);
+  for (int i = 0; i < 5; ++i) servers.tick();
+  CHECK(frames == 5 * 4);
+  BareWorlds worlds(*world, BareWorlds::Crossing::stays, cpu_clocks(), count);
+  for (int i = 0; i < 5; ++i) worlds.tick();
+  CHECK(frames == 2 * 5 * 4);
+}
+
+TEST_CASE("a walk through more than caches hold touches at least twice that, and can be repeated") {
+  ColdCaches caches;
+  CHECK(caches.bytes() >= 1u << 20);
+  CHECK(caches.bytes() <= 1u << 30);
+  caches.chill();
+  caches.chill();
+}
 
 TEST_CASE("every mode's report has every field, and all of its bodies") {
   for (const std::string mode : every_mode) {

@@ -132,6 +132,21 @@ TEST_CASE("a median server that takes more than 10 % longer in weak scaling fail
   CHECK(verdict(runs, {"weak scaling"}) == Verdict::failed);
 }
 
+TEST_CASE("weak scaling is judged with cold caches, and says what came with shared ones") {
+  auto runs = small_runs();
+  for (const int servers : {4, 64}) {
+    FinishedRun& run = run_among(runs, Study::weak, "adaptive", servers);
+    run.plan.cold_caches_s = 10;
+    run.report["last_10_s"]["median_server_ms"] = servers == 4 ? 20 : 21;
+    for (std::size_t b : {0, 1})
+      run.report["buckets"][b]["server_ms"] = {servers == 4 ? 10 : 13, servers == 4 ? 10 : 13};
+  }
+  CHECK(verdict(runs, {"weak scaling"}) == Verdict::passed);
+  CHECK(bar(runs, {"weak scaling"}).came ==
+        "+5.0 % (20.000 → 21.000 ms; caches cold; with shared ones before that +30.0 %, "
+        "10.000 → 13.000 ms)");
+}
+
 TEST_CASE("the page tells what was run, what failed, and what was left out") {
   auto runs = small_runs();
   run_among(runs, Study::fig5, "adaptive", 2).report["last_10_s"]["efficiency"] = 0.5;

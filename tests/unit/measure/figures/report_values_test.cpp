@@ -39,6 +39,12 @@ TEST_CASE("the median is the middle server's, between the middle two of an even 
   CHECK(median_server_ms(report) == 2);
   report["last_10_s"]["median_server_ms"] = 7;
   CHECK(median_server_ms(report) == 7);
+  // Before the last two buckets there are two more.
+  CHECK(median_server_ms_before(report) == 2);
+  report["buckets"][0]["server_ms"] = {200, 3, 4};
+  CHECK(median_server_ms_before(report) == 3);
+  for (json& bucket : report["buckets"]) bucket.erase("server_ms");
+  CHECK_FALSE(median_server_ms_before(report));
 }
 
 TEST_CASE("what is missing, null or of another kind is not there, and harms nothing") {
