@@ -212,9 +212,11 @@ void add_experiment(CLI::App& app, int& exit_code) {
                    "than ours, and only maxima need many repeats")
       ->check(CLI::Range(1, 1000));
   command
-      ->add_option("--cold-caches", e.cold_caches_s,
-                   "s: so long before the end every frame begins with cold caches, so that many\n"
-                   "servers in one process, which share them, can be compared with few")
+      ->add_option(
+          "--cold-caches", e.cold_caches_s,
+          "s: so long before the end every frame begins with cold caches, and each server\n"
+          "has a heap of its own, so that many servers in one process, which share both,\n"
+          "can be compared with few")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 3600.0));
   command->add_flag("--judge,!--no-judge", e.judged,

@@ -22,12 +22,13 @@ SimulatedServer::SimulatedServer(const WorldDefinition& world, RegionId self, st
     : world_(world), self_(self), incarnation_(0), random_(seed, 100 + self.value), pace_(pace) {
   if (!pace_.even) phase_us_ = random_.below(static_cast<int>(phase_us_max));
   if (pace_.clocks.whole != nullptr) profile_ = std::make_unique<StepProfile>(pace_.clocks);
+  if (pace_.own_heaps) thread_ = std::make_unique<ServerThread>();
 }
 
 void SimulatedServer::start(SimulatedNetwork& network, Micros now) {
   const bool again = incarnation_.value > 0;
   incarnation_ = Incarnation{incarnation_.value + 1};
-  core_ = std::make_unique<RegionCore>(world_, self_, incarnation_);
+  run([&] { core_ = std::make_unique<RegionCore>(world_, self_, incarnation_); });
   if (pace_.snapshots) core_->enable_snapshots();
   if (pace_.follow_latency) core_->follow_latency();
   core_->profile_steps(profile_.get());
@@ -69,6 +70,10 @@ double SimulatedServer::draw_frame_ms(Micros at) {
 
 void SimulatedServer::wake(SimulatedNetwork& network, Micros now, const Observer& observer) {
   AUREOLE_CHECK(core_ != nullptr, "only what runs wakes");
+  run([&] { take_turn(network, now, observer); });
+}
+
+void SimulatedServer::take_turn(SimulatedNetwork& network, Micros now, const Observer& observer) {
   if (pace_.before_frame) pace_.before_frame();
   if (profile_) profile_->clear();
   take_deliveries(network, now);

@@ -7,6 +7,7 @@
 
 #include "server/experiment/network/simulated_network.h"
 #include "server/experiment/random.h"
+#include "server/experiment/server_thread.h"
 #include "server/region/region_core.h"
 
 namespace aureole {
@@ -21,6 +22,8 @@ struct SimulatedPace {
   StepProfile::Clocks clocks;
   /// The latency tolerance follows what links measure.
   bool follow_latency = false;
+  /// Each server has a heap of its own (ServerThread).
+  bool own_heaps = false;
   /// Before a server does anything that is profiled, if there is any.
   std::function<void()> before_frame = {};
 };
@@ -64,16 +67,21 @@ class SimulatedServer {
   const StepProfile* profile() const { return profile_.get(); }
 
  private:
+  void take_turn(SimulatedNetwork& network, Micros now, const Observer& observer);
   void step(SimulatedNetwork& network, Micros at, const Observer& observer);
   void take_deliveries(SimulatedNetwork& network, Micros now);
   double draw_frame_ms(Micros at);
   void write_disk(Tick tick);
   void finish_write();
 
+  /// On its own thread, if it has one.
+  void run(const std::function<void()>& work) { thread_ ? thread_->run(work) : work(); }
+
   const WorldDefinition& world_;
   RegionId self_;
   Incarnation incarnation_;
   Random random_;
+  std::unique_ptr<ServerThread> thread_;
   std::unique_ptr<RegionCore> core_;
   Tick next_tick_{1};
   Micros wakes_at_us_ = 0;

@@ -14,7 +14,7 @@ class ColdCaches {
  public:
   /// Takes memory of twice the last cache's size, or of 64 MiB where nobody knows that.
   ColdCaches();
-  /// Reads and writes all of it.
+  /// Reads all of it.
   void chill();
   std::size_t bytes() const { return memory_.size() * sizeof(Line); }
 
@@ -23,6 +23,7 @@ class ColdCaches {
     std::uint64_t count = 0;
   };
   std::vector<Line> memory_;
+  volatile std::uint64_t sum_ = 0;  ///< So that it is read.
 };
 
 }  // namespace aureole

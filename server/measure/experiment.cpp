@@ -83,6 +83,7 @@ class Experiment {
                                           before_frame());
     RegionServers::Options options = server_options();
     options.before_frame = before_frame();
+    options.own_heaps = r_.options.cold_caches_s > 0;
     return std::make_unique<RegionServers>(mode == "single" ? in_one_region(r_.world) : r_.world,
                                            options);
   }

@@ -22,7 +22,8 @@ struct ExperimentOptions {
   double loss_pct = 0;    ///< Of TCP segments; see PacketLoss.
   /// The latency tolerance follows what links measure (FollowedLatency).
   bool follow_latency = false;
-  /// So long before the end every frame begins with cold caches (ColdCaches).
+  /// So long before the end every frame begins with cold caches (ColdCaches); servers have heaps of
+  /// their own then (ServerThread). For the comparison of many servers with few.
   double cold_caches_s = 0;
   /// Whether modes of servers that talk are also run as `cut` and `ideal`.
   bool with_references = true;

@@ -15,7 +15,8 @@ RegionServers::RegionServers(WorldDefinition world, const Options& options)
   SimulationOptions o;
   o.scenario.seed = options.seed;
   o.network = options.network;
-  o.pace = {true, false, options.clocks, options.follow_latency, options.before_frame};
+  o.pace = {
+      true, false, options.clocks, options.follow_latency, options.own_heaps, options.before_frame};
   o.judged = options.judged;
   simulation_ = std::make_unique<Simulation>(Scenario{std::move(world), "measured", 0}, o);
 }

@@ -20,6 +20,7 @@ class RegionServers final : public MeasuredRun {
     StepProfile::Clocks clocks;   ///< None: frames take no time.
     bool judged = false;          ///< By the oracles, which costs more than the run.
     bool follow_latency = false;  ///< Else the world's tolerance stands.
+    bool own_heaps = false;       ///< One for each server, as if it were a process.
     /// Before each frame, if there is any.
     std::function<void()> before_frame;
   };
