@@ -177,23 +177,23 @@ RegionId Contests::lowest_around(Clusters::Number cluster) {
 const Company& Contests::company_of(std::uint32_t body) {
   const Clusters::Number cluster = clusters_->of(body);
   if (companies_.size() <= cluster) companies_.resize(clusters_->size());
-  if (companies_[cluster]) return *companies_[cluster];
-  Company& company = companies_[cluster].emplace();
-  company.label = label_of(outlook_->body(clusters_->members(cluster).front()).id);
-  company.size_class = size_class_of(clusters_->members(cluster).size());
-  company.changes = changes_of(cluster);
-  company.crowded = neighbourhood_.is_crowded(cluster);
-  if (company.changes == Company::changes_max) note_settled(cluster);
-  return company;
+  if (!companies_[cluster]) {
+    Company& company = companies_[cluster].emplace();
+    company.label = label_of(outlook_->body(clusters_->members(cluster).front()).id);
+    company.size_class = size_class_of(clusters_->members(cluster).size());
+    company.changes = changes_of(cluster);
+    company.crowded = neighbourhood_.is_crowded(cluster);
+  }
+  if (companies_[cluster]->changes == Company::changes_max) settled_since(outlook_->body(body).id);
+  return *companies_[cluster];
 }
 
-/// Since when its members count as such as must not change their owner again.
-void Contests::note_settled(Clusters::Number cluster) {
-  for (const std::uint32_t member : clusters_->members(cluster)) {
-    const BodyId id = outlook_->body(member).id;
-    const auto known = settled_.find(id);
-    settled_now_.try_emplace(id, known == settled_.end() ? situation_->now : known->second);
-  }
+/// Since when others have been told that the body's cluster must not change its owner again; since
+/// now if they have not been.
+Tick Contests::settled_since(BodyId id) {
+  const auto known = settled_.find(id);
+  return settled_now_.try_emplace(id, known == settled_.end() ? situation_->now : known->second)
+      .first->second;
 }
 
 /// Whether the other server's side, too, has changed its owner as often as it should: then it stays
@@ -207,12 +207,10 @@ bool Contests::meets_settled(Clusters::Number cluster, RegionId other) const {
 }
 
 bool Contests::is_overtaken(Clusters::Number cluster, BodyId asked_for, RegionId asker) {
-  if (changes_of(cluster) == Company::changes_max) {
-    note_settled(cluster);
-    if (situation_->now - settled_now_.at(asked_for) < round_trip_ticks_ &&
-        !meets_settled(cluster, asker))
-      return true;
-  }
+  if (changes_of(cluster) == Company::changes_max &&
+      situation_->now - settled_since(asked_for) < round_trip_ticks_ &&
+      !meets_settled(cluster, asker))
+    return true;
   const auto members = clusters_->members(cluster);
   return std::any_of(members.begin(), members.end(), [&](std::uint32_t member) {
     const HostedBody& body = outlook_->body(member);
@@ -260,8 +258,10 @@ std::vector<Contests::Contest> Contests::joined_contests() const {
 
 bool Contests::is_coming(const RemoteAura& aura) const {
   const auto at = given_.find(aura.id);
-  return at != given_.end() && at->second.to == situation_->self &&
-         situation_->now - at->second.since <= hold_ticks_;
+  if (at == given_.end() || at->second.to != situation_->self) return false;
+  // If it has changed its owner twice meanwhile it has been refused: see is_overtaken().
+  const bool refused = aura.company.changes == Company::changes_max && !at->second.settled;
+  return !refused && situation_->now - at->second.since <= hold_ticks_;
 }
 
 /// Whose clusters have lately been asked for, to come here, and are still told of.
@@ -305,7 +305,6 @@ RegionId Contests::arbitrate(const Contest& contest, RegionId other) const {
     const std::int64_t age = situation_->now - at->second.since;
     if (at->second.to == self) {
       asked = true;
-      asked_lately = asked_lately || age <= hold_ticks_;
     } else if (at->second.to == other) {
       gave = true;
       gave_lately = gave_lately || age <= round_trip_ticks_;
@@ -319,6 +318,7 @@ RegionId Contests::arbitrate(const Contest& contest, RegionId other) const {
     weight = std::max(weight, static_cast<double>(1 << aura->company.size_class));
     their_changes = std::max(their_changes, aura->company.changes);
     note_given(aura->id);
+    asked_lately = asked_lately || is_coming(*aura);
   }
   double meeting = 0, our_weight = 0, their_weight = 0;
   for (const auto& [label, weight] : their_clusters) their_weight += weight;
@@ -377,16 +377,21 @@ bool Contests::meets_a_third_soon(const Contest& contest, RegionId other) const 
 }
 
 void Contests::remember(const Contest& contest, RegionId to) {
-  const auto give = [&](BodyId id) {
-    const auto [at, fresh] = given_.try_emplace(id, Given{to, situation_->now, situation_->now});
-    if (!fresh && at->second.to != to) at->second.since = situation_->now;
-    at->second.to = to;
-    at->second.at = situation_->now;
+  const bool we_stay = std::any_of(
+      contest.ours.begin(), contest.ours.end(),
+      [&](Clusters::Number cluster) { return changes_of(cluster) == Company::changes_max; });
+  const auto give = [&](BodyId id, bool they_stay) {
+    const Given fresh{to, situation_->now, situation_->now, we_stay || they_stay};
+    Given& given = given_.try_emplace(id, fresh).first->second;
+    if (given.to != to) given = fresh;
+    given.at = situation_->now;
   };
-  for (const RemoteAura* aura : contest.meets) give(aura->id);
+  for (const RemoteAura* aura : contest.meets)
+    give(aura->id, aura->company.changes == Company::changes_max);
   if (to == situation_->self) return;
   for (const Clusters::Number cluster : contest.ours)
-    for (const std::uint32_t member : clusters_->members(cluster)) give(outlook_->body(member).id);
+    for (const std::uint32_t member : clusters_->members(cluster))
+      give(outlook_->body(member).id, false);
 }
 
 std::vector<Contests::Verdict> Contests::verdicts() {

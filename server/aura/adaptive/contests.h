@@ -95,7 +95,7 @@ class Contests {
   void remember(const Contest& contest, RegionId to);
   std::optional<RegionId> settled_host(const Contest& contest) const;
   bool meets_a_third_soon(const Contest& contest, RegionId other) const;
-  void note_settled(Clusters::Number cluster);
+  Tick settled_since(BodyId id);
   bool meets_settled(Clusters::Number cluster, RegionId other) const;
 
   double reach_s_ = 0, visitor_clearance_m_ = 0;
@@ -108,8 +108,9 @@ class Contests {
   std::map<Clusters::Number, Meetings> meetings_;
   /// By cluster, found out when first asked for.
   std::vector<std::optional<Company>> companies_;
-  /// Bodies in clusters that have changed their owner as often as they should, and since when; as
-  /// of the tick before, and of this one.
+  /// Bodies of which others have been told that their clusters have changed their owner as often as
+  /// they should, or that were asked for then, and since when; as of the tick before, and of this
+  /// one.
   std::map<BodyId, Tick> settled_, settled_now_;
   Tick settled_at_{-1'000'000};
   std::vector<bool> contested_;
@@ -128,8 +129,9 @@ class Contests {
   /// meets them goes there too.
   struct Given {
     RegionId to;
-    Tick at;     ///< For the last time.
-    Tick since;  ///< To the same server.
+    Tick at;               ///< For the last time.
+    Tick since;            ///< To the same server.
+    bool settled = false;  ///< One side had changed its owner as often as it should by then.
   };
   std::map<BodyId, Given> given_;
   /// Who hosts each of the auras of clusters that have been asked for, and boxes around these.

@@ -127,15 +127,30 @@ TEST_CASE("what the arbiter has asked for is not met halfway") {
   REQUIRE(scene.decide(*policy, Tick{20}).leaving.size() == 1);
 }
 
-TEST_CASE(
-    "what has been asked for is not met halfway though its side has changed twice meanwhile") {
+TEST_CASE("what has changed twice since it was asked for was refused, and is met there") {
   Scene scene;
   const auto policy = make_adaptive_policy(AuraTolerances{});
   scene.hosted = {awake_at(0, 9.6)};
   scene.remote = {aura(1, 1, false, 10.3)};
   REQUIRE(scene.decide(*policy, Tick{0}).pulls.size() == 1);
   scene.remote[0].company.changes = Company::changes_max;
+  const auto decision = scene.decide(*policy, Tick{2});
+  REQUIRE(decision.pulls.empty());
+  REQUIRE(decision.leaving.size() == 1);
+}
+
+TEST_CASE("what was asked for by a side that had changed twice itself is not met halfway") {
+  // That request is met at once.
+  Scene scene;
+  const auto policy = make_adaptive_policy(AuraTolerances{});
+  scene.hosted = {awake_at(0, 9.6)};
+  scene.hosted[0].changed_owner = Tick{-3};
+  scene.hosted[0].changed_owner_before = Tick{-62};
+  scene.remote = {aura(1, 1, false, 10.3)};
+  REQUIRE(scene.decide(*policy, Tick{0}).pulls.size() == 1);
+  scene.remote[0].company.changes = Company::changes_max;
   for (const std::int64_t tick : {2, 4, 6}) {
+    INFO("tick " << tick);
     const auto decision = scene.decide(*policy, Tick{tick});
     REQUIRE(decision.pulls.size() == 1);
     REQUIRE(decision.leaving.empty());
@@ -233,6 +248,27 @@ TEST_CASE("a request that cannot know that its cluster has changed twice waits f
   const auto decision = scene.decide(*policy, Tick{14});
   REQUIRE(decision.leaving.size() == 1);
   REQUIRE(decision.leaving[0].bodies.size() == 2);
+}
+
+TEST_CASE("a request for what nobody was told of waits though its cluster has long changed twice") {
+  // Whoever is near to one end of a cluster is not told whose cluster the other end is of.
+  for (const int asked_for : {0, 1}) {
+    INFO("asked for body " << asked_for);
+    Scene scene;
+    scene.self = 1;
+    const auto policy = make_adaptive_policy(AuraTolerances{});
+    scene.hosted = {awake_at(0, 14, 0), awake_at(1, 10.6, 9)};
+    scene.hosted[0].leader = name(1);
+    scene.hosted[1].changed_owner = Tick{-20};
+    scene.hosted[1].changed_owner_before = Tick{-30};
+    scene.remote = {aura(7, 0, false, 9.9, 9)};
+    for (int tick = 0; tick < 10; tick += 2)
+      REQUIRE(scene.decide(*policy, Tick{tick}).leaving.empty());
+    scene.requested = {{name(asked_for), RegionId{0}, RegionId{0}}};
+    REQUIRE(scene.decide(*policy, Tick{10}).leaving.size() == (asked_for == 1 ? 1 : 0));
+    REQUIRE(scene.decide(*policy, Tick{12}).leaving.size() == (asked_for == 1 ? 1 : 0));
+    REQUIRE(scene.decide(*policy, Tick{14}).leaving.size() == 1);
+  }
 }
 
 TEST_CASE("a request by a server whose side has changed twice as well is met at once") {
