@@ -112,6 +112,18 @@ class DynamicsWorld : public btDiscreteDynamicsWorld {
  public:
   using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
   btAlignedObjectArray<btRigidBody*>& moving() { return m_nonStaticRigidBodies; }
+
+ protected:
+  /// Bullet damps sleepers too, and foretells where they will be. They stand still, and nobody
+  /// reads it before they wake, and the next step foretells it.
+  void predictUnconstraintMotion(btScalar dt_s) override {
+    for (int i = 0; i < m_nonStaticRigidBodies.size(); ++i) {
+      btRigidBody& body = *m_nonStaticRigidBodies[i];
+      if (!body.isActive() || body.isStaticOrKinematicObject()) continue;
+      body.applyDamping(dt_s);
+      body.predictIntegratedTransform(dt_s, body.getInterpolationWorldTransform());
+    }
+  }
 };
 
 /// Owns the Bullet objects of one world except the bodies' memory.
