@@ -218,6 +218,12 @@ bool Contests::is_overtaken(Clusters::Number cluster, BodyId asked_for, RegionId
   });
 }
 
+/// Each once.
+void Contests::sort_by_id(Meetings& meets) {
+  std::sort(meets.begin(), meets.end(), [](const auto* a, const auto* b) { return a->id < b->id; });
+  meets.erase(std::unique(meets.begin(), meets.end()), meets.end());
+}
+
 std::vector<Contests::Contest> Contests::joined_contests() const {
   std::vector<Contest> contests;
   std::map<std::pair<RegionId, std::uint16_t>, std::size_t> of_cluster;  // Others'.
@@ -248,25 +254,31 @@ std::vector<Contests::Contest> Contests::joined_contests() const {
   std::erase_if(contests, [](const Contest& contest) { return contest.ours.empty(); });
   for (Contest& contest : contests) {
     std::sort(contest.ours.begin(), contest.ours.end());
-    std::sort(contest.meets.begin(), contest.meets.end(),
-              [](const auto* a, const auto* b) { return a->id < b->id; });
-    contest.meets.erase(std::unique(contest.meets.begin(), contest.meets.end()),
-                        contest.meets.end());
+    sort_by_id(contest.meets);
   }
   return contests;
 }
 
+/// Whether an aura's body has lately been asked for, and its host will not have refused that: see
+/// is_overtaken(), whose reasons are known here by now.
 bool Contests::is_coming(const RemoteAura& aura) const {
   const auto at = given_.find(aura.id);
   if (at == given_.end() || at->second.to != situation_->self) return false;
-  // If it has changed its owner twice meanwhile it has been refused: see is_overtaken().
-  const bool refused = aura.company.changes == Company::changes_max && !at->second.settled;
-  return !refused && situation_->now - at->second.since <= hold_ticks_;
+  const bool settled_since = aura.company.changes == Company::changes_max && !at->second.settled;
+  const bool joined_by_ours = joined_.contains({aura.host, aura.company.label});
+  return !settled_since && !joined_by_ours && situation_->now - at->second.since <= hold_ticks_;
 }
 
 /// Whose clusters have lately been asked for, to come here, and are still told of.
 void Contests::note_coming() {
-  std::set<std::pair<RegionId, std::uint16_t>> clusters;
+  joined_.clear();
+  for (const RemoteAura& aura : situation_->remote) {
+    const auto at = given_.find(aura.id);
+    if (aura.company.label != 0 && at != given_.end() && at->second.to == aura.host &&
+        situation_->now - at->second.since <= round_trip_ticks_)
+      joined_.insert({aura.host, aura.company.label});
+  }
+  std::set<TheirCluster> clusters;
   for (const RemoteAura& aura : situation_->remote)
     if (aura.company.label != 0 && is_coming(aura))
       clusters.insert({aura.host, aura.company.label});
@@ -280,25 +292,41 @@ void Contests::note_coming() {
   coming_rows_.build(boxes);
 }
 
-/// Whether what the contest meets may have become part by now of a cluster that comes here.
-bool Contests::meets_coming(const Contest& contest, RegionId other) const {
-  if (coming_.empty()) return false;
+/// Whether any of it comes here, or may have become part by now of a cluster that does.
+bool Contests::may_come(const Meetings& meets) const {
   std::vector<std::uint32_t> found;
-  for (const RemoteAura* aura : contest.meets) {
+  return std::any_of(meets.begin(), meets.end(), [&](const RemoteAura* aura) {
+    if (is_coming(*aura)) return true;
+    if (coming_.empty()) return false;
     AuraBox room = aura->room.box();
     room.half.array() += merging_m + aura->speed_mps * reach_s_;
+    found.clear();
     coming_rows_.find(room, found);
+    return std::any_of(found.begin(), found.end(),
+                       [&](std::uint32_t i) { return coming_[i] == aura->host; });
+  });
+}
+
+/// Takes from a contest those of our clusters that meet what comes here, and whom they meet.
+Contests::Contest Contests::take_waiting(Contest& contest) const {
+  Contest waiting, going;
+  for (const Clusters::Number cluster : contest.ours) {
+    const Meetings& meets = meetings_.at(cluster);
+    Contest& part = may_come(meets) ? waiting : going;
+    part.ours.push_back(cluster);
+    part.meets.insert(part.meets.end(), meets.begin(), meets.end());
   }
-  return std::any_of(found.begin(), found.end(),
-                     [&](std::uint32_t i) { return coming_[i] == other; });
+  sort_by_id(going.meets);
+  sort_by_id(waiting.meets);
+  contest = std::move(going);
+  return waiting;
 }
 
 RegionId Contests::arbitrate(const Contest& contest, RegionId other) const {
   const RegionId self = situation_->self;
   std::uint8_t our_changes = 0, their_changes = 0;
   bool asked = false, gave = false;
-  bool asked_lately = false;  // They may be on their way here.
-  bool gave_lately = false;   // Where it has come to what we asked for, that stays: is_overtaken().
+  bool gave_lately = false;  // Where it has come to what we asked for, that stays: is_overtaken().
   const auto note_given = [&](BodyId id) {
     const auto at = given_.find(id);
     if (at == given_.end()) return;
@@ -318,7 +346,6 @@ RegionId Contests::arbitrate(const Contest& contest, RegionId other) const {
     weight = std::max(weight, static_cast<double>(1 << aura->company.size_class));
     their_changes = std::max(their_changes, aura->company.changes);
     note_given(aura->id);
-    asked_lately = asked_lately || is_coming(*aura);
   }
   double meeting = 0, our_weight = 0, their_weight = 0;
   for (const auto& [label, weight] : their_clusters) their_weight += weight;
@@ -337,11 +364,10 @@ RegionId Contests::arbitrate(const Contest& contest, RegionId other) const {
   // Who has changed its owner more often stays.
   const bool ours_stay = our_changes == Company::changes_max;
   const bool theirs_stay = their_changes == Company::changes_max;
-  asked_lately = asked_lately || meets_coming(contest, other);
-  if (ours_stay != theirs_stay) return ours_stay || asked_lately ? self : other;
+  if (ours_stay != theirs_stay) return ours_stay ? self : other;
   // What has been asked for again since is about to come.
   if (gave && (gave_lately || !asked)) return other;
-  if (asked || asked_lately) return self;
+  if (asked || may_come(contest.meets)) return self;
   // Of two that should stay the larger one does.
   if (ours_stay) return their_weight > our_weight ? other : self;
   if (our_changes != their_changes) return our_changes > their_changes ? self : other;
@@ -376,29 +402,47 @@ bool Contests::meets_a_third_soon(const Contest& contest, RegionId other) const 
   return !others.empty();
 }
 
-void Contests::remember(const Contest& contest, RegionId to) {
-  const bool we_stay = std::any_of(
-      contest.ours.begin(), contest.ours.end(),
-      [&](Clusters::Number cluster) { return changes_of(cluster) == Company::changes_max; });
-  const auto give = [&](BodyId id, bool they_stay) {
-    const Given fresh{to, situation_->now, situation_->now, we_stay || they_stay};
+void Contests::remember(const Contest& contest, const Verdict& verdict) {
+  const bool we_stay = have_changed_twice(contest.ours);
+  const auto give = [&](BodyId id, bool settled) {
+    const Given fresh{verdict.to, situation_->now, situation_->now, settled};
     Given& given = given_.try_emplace(id, fresh).first->second;
-    if (given.to != to) given = fresh;
+    // What has been left out between is asked for anew.
+    if (given.to != verdict.to || situation_->now - given.at > decision_ticks) given = fresh;
     given.at = situation_->now;
   };
-  for (const RemoteAura* aura : contest.meets)
-    give(aura->id, aura->company.changes == Company::changes_max);
-  if (to == situation_->self) return;
+  for (const RemoteAura* aura : verdict.to == situation_->self ? verdict.asked : contest.meets)
+    give(aura->id, we_stay || aura->company.changes == Company::changes_max);
+  if (verdict.to == situation_->self) return;
   for (const Clusters::Number cluster : contest.ours)
     for (const std::uint32_t member : clusters_->members(cluster))
       give(outlook_->body(member).id, false);
+}
+
+bool Contests::have_changed_twice(const std::vector<Clusters::Number>& clusters) const {
+  return std::any_of(clusters.begin(), clusters.end(), [&](Clusters::Number cluster) {
+    return changes_of(cluster) == Company::changes_max;
+  });
+}
+
+/// All of a contest goes to one server: what is ours leaves, or what is theirs is asked for.
+Contests::Verdict Contests::conclude(const Contest& contest, RegionId to, bool crowded) {
+  Verdict verdict{contest.ours, to, {}};
+  // Who has changed twice is not asked for while we only wait for what comes.
+  const bool we_stay = have_changed_twice(contest.ours);
+  for (const RemoteAura* aura : contest.meets)
+    if (aura->host > situation_->self && aura->host != to &&
+        (we_stay || aura->company.changes < Company::changes_max || is_coming(*aura)))
+      verdict.asked.push_back(aura);
+  if (!crowded || to == situation_->self) remember(contest, verdict);
+  return verdict;
 }
 
 std::vector<Contests::Verdict> Contests::verdicts() {
   const RegionId self = situation_->self;
   note_coming();
   std::vector<Verdict> all;
-  for (const Contest& contest : joined_contests()) {
+  for (Contest& contest : joined_contests()) {
     RegionSet others;
     for (const Clusters::Number cluster : contest.ours) others.add(neighbourhood_.of(cluster));
     bool crowded = false, followed = false, meets_lower = false;
@@ -413,20 +457,22 @@ std::vector<Contests::Verdict> Contests::verdicts() {
     const RegionId lowest = others.lowest();
     RegionSet third = others;
     third.remove(lowest);
-    Verdict verdict{contest.ours, std::min(lowest, self), {}};
-    if (crowded || !third.empty()) {
+    crowded = crowded || !third.empty();
+    RegionId to = std::min(lowest, self);
+    if (crowded) {
       // Whoever has come after us once is not led on to a server that nobody meets yet.
-      if (followed && !meets_lower) verdict.to = self;
-      verdict.to = settled_host(contest).value_or(verdict.to);
+      if (followed && !meets_lower) to = self;
+      to = settled_host(contest).value_or(to);
     } else {
       if (lowest < self) continue;  // It decides.
-      verdict.to = arbitrate(contest, lowest);
-      if (verdict.to != self && meets_a_third_soon(contest, lowest)) verdict.to = self;
-      remember(contest, verdict.to);
+      to = arbitrate(contest, lowest);
+      if (to != self && meets_a_third_soon(contest, lowest)) to = self;
     }
-    for (const RemoteAura* aura : contest.meets)
-      if (aura->host > self && aura->host != verdict.to) verdict.asked.push_back(aura);
-    all.push_back(std::move(verdict));
+    // Whoever went to the other side now would pass by what comes here.
+    if (to != self && lowest > self)
+      if (const Contest waiting = take_waiting(contest); !waiting.ours.empty())
+        all.push_back(conclude(waiting, self, crowded));
+    if (!contest.ours.empty()) all.push_back(conclude(contest, to, crowded));
   }
   return all;
 }

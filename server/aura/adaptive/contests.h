@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -91,8 +92,12 @@ class Contests {
   RegionId arbitrate(const Contest& contest, RegionId other) const;
   bool is_coming(const RemoteAura& aura) const;
   void note_coming();
-  bool meets_coming(const Contest& contest, RegionId other) const;
-  void remember(const Contest& contest, RegionId to);
+  bool may_come(const Meetings& meets) const;
+  static void sort_by_id(Meetings& meets);
+  Contest take_waiting(Contest& contest) const;
+  Verdict conclude(const Contest& contest, RegionId to, bool crowded);
+  bool have_changed_twice(const std::vector<Clusters::Number>& clusters) const;
+  void remember(const Contest& contest, const Verdict& verdict);
   std::optional<RegionId> settled_host(const Contest& contest) const;
   bool meets_a_third_soon(const Contest& contest, RegionId other) const;
   Tick settled_since(BodyId id);
@@ -134,6 +139,9 @@ class Contests {
     bool settled = false;  ///< One side had changed its owner as often as it should by then.
   };
   std::map<BodyId, Given> given_;
+  using TheirCluster = std::pair<RegionId, std::uint16_t>;  ///< Its host and label.
+  /// Others' clusters to which something of ours has lately come.
+  std::set<TheirCluster> joined_;
   /// Who hosts each of the auras of clusters that have been asked for, and boxes around these.
   std::vector<RegionId> coming_;
   BoxRows coming_rows_;

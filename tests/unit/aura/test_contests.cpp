@@ -177,6 +177,66 @@ TEST_CASE("who has come to what is asked for keeps it there for a round trip, an
   }
 }
 
+TEST_CASE("what is sure to come is waited for, though something of ours went to the other side") {
+  // What has gone there keeps no cluster there but its own.
+  for (const bool joined : {false, true}) {
+    INFO("it has come to what was asked for: " << joined);
+    Scene scene;
+    const auto policy = make_adaptive_policy(AuraTolerances{});
+    scene.hosted = {awake_at(0, 9.9, 3)};
+    scene.remote = {aura(4, 1, false, 10.5, 3)};
+    REQUIRE(scene.decide(*policy, Tick{0}).leaving.size() == 1);
+    scene.hosted = {awake_at(1, 9.6, 3)};
+    scene.remote = {aura(2, 1, false, 10.1, 3)};
+    REQUIRE(scene.decide(*policy, Tick{2}).pulls.size() == 1);
+    scene.remote = {aura(0, 1, false, 10.1, 3.2), aura(2, 1, false, 10.1, 3)};
+    if (joined) scene.remote[0].company.label = scene.remote[1].company.label;
+    const auto decision = scene.decide(*policy, Tick{4});
+    REQUIRE(decision.leaving.empty() == !joined);
+    REQUIRE(decision.pulls.empty() == joined);
+  }
+}
+
+TEST_CASE("what is asked for anew after it was left out is waited for as long as at first") {
+  Scene scene;
+  const auto policy = make_adaptive_policy(AuraTolerances{});
+  scene.hosted = {awake_at(0, 9.6)};
+  scene.remote = {aura(1, 1, false, 10.1)};
+  REQUIRE(scene.decide(*policy, Tick{0}).pulls.size() == 1);
+  // Both sides have changed twice meanwhile; ours stays.
+  scene.hosted[0].changed_owner = Tick{3};
+  scene.hosted[0].changed_owner_before = Tick{-30};
+  scene.remote[0].company.changes = Company::changes_max;
+  REQUIRE(scene.decide(*policy, Tick{6}).pulls.size() == 1);
+  // The other one has grown, but is on its way.
+  scene.remote[0].company.size_class = 3;
+  const auto decision = scene.decide(*policy, Tick{8});
+  REQUIRE(decision.leaving.empty());
+  REQUIRE(decision.pulls.size() == 1);
+}
+
+TEST_CASE("at a corner, too, what comes is waited for before all go to who has changed twice") {
+  Scene scene;
+  scene.map = PartitionMap({{-inf, -inf, 10, 0}, {10, -inf, inf, 0}, {-inf, 0, inf, inf}});
+  const auto policy = make_adaptive_policy(AuraTolerances{});
+  scene.hosted = {awake_at(0, 9.7, -0.3)};
+  scene.remote = {aura(1, 1, false, 10.3, -0.3), aura(2, 2, false, 10, 0.2)};
+  REQUIRE(scene.decide(*policy, Tick{0}).pulls.size() == 2);
+  // Its host has refused it.
+  scene.remote[1].company.changes = Company::changes_max;
+  for (const std::int64_t tick : {2, 4, 6}) {
+    INFO("tick " << tick);
+    const auto decision = scene.decide(*policy, Tick{tick});
+    REQUIRE(decision.leaving.empty());
+    REQUIRE(decision.pulls.size() == 1);
+    REQUIRE(decision.pulls[0].bodies == std::vector{name(1)});
+  }
+  // The other one has not come, nor will it.
+  const auto decision = scene.decide(*policy, Tick{8});
+  REQUIRE(decision.leaving.size() == 1);
+  REQUIRE(decision.leaving[0].to == RegionId{2});
+}
+
 TEST_CASE("what may have become part of what comes here is asked for too, not met halfway") {
   // By themselves the second two belong to the other side: if nothing near is on its way here.
   for (const double apart_m : {2.0, 10.0}) {
