@@ -274,8 +274,8 @@ void Contests::note_coming() {
   joined_.clear();
   for (const RemoteAura& aura : situation_->remote) {
     const auto at = given_.find(aura.id);
-    if (aura.company.label != 0 && at != given_.end() && at->second.to == aura.host &&
-        situation_->now - at->second.since <= round_trip_ticks_)
+    if (aura.company.label != 0 && at != given_.end() && at->second.ours &&
+        at->second.to == aura.host && situation_->now - at->second.since <= round_trip_ticks_)
       joined_.insert({aura.host, aura.company.label});
   }
   std::set<TheirCluster> clusters;
@@ -404,19 +404,21 @@ bool Contests::meets_a_third_soon(const Contest& contest, RegionId other) const 
 
 void Contests::remember(const Contest& contest, const Verdict& verdict) {
   const bool we_stay = have_changed_twice(contest.ours);
-  const auto give = [&](BodyId id, bool settled) {
-    const Given fresh{verdict.to, situation_->now, situation_->now, settled};
+  const auto give = [&](BodyId id, bool settled, bool ours) {
+    const Given fresh{verdict.to, situation_->now, situation_->now, settled, ours};
     Given& given = given_.try_emplace(id, fresh).first->second;
-    // What has been left out between is asked for anew.
-    if (given.to != verdict.to || situation_->now - given.at > decision_ticks) given = fresh;
+    // Anew after it was left out, or by who knows now what it was refused for.
+    if (given.to != verdict.to || situation_->now - given.at > decision_ticks ||
+        (settled && !given.settled))
+      given = fresh;
     given.at = situation_->now;
   };
   for (const RemoteAura* aura : verdict.to == situation_->self ? verdict.asked : contest.meets)
-    give(aura->id, we_stay || aura->company.changes == Company::changes_max);
+    give(aura->id, we_stay || aura->company.changes == Company::changes_max, false);
   if (verdict.to == situation_->self) return;
   for (const Clusters::Number cluster : contest.ours)
     for (const std::uint32_t member : clusters_->members(cluster))
-      give(outlook_->body(member).id, false);
+      give(outlook_->body(member).id, false, true);
 }
 
 bool Contests::have_changed_twice(const std::vector<Clusters::Number>& clusters) const {
@@ -428,12 +430,8 @@ bool Contests::have_changed_twice(const std::vector<Clusters::Number>& clusters)
 /// All of a contest goes to one server: what is ours leaves, or what is theirs is asked for.
 Contests::Verdict Contests::conclude(const Contest& contest, RegionId to, bool crowded) {
   Verdict verdict{contest.ours, to, {}};
-  // Who has changed twice is not asked for while we only wait for what comes.
-  const bool we_stay = have_changed_twice(contest.ours);
   for (const RemoteAura* aura : contest.meets)
-    if (aura->host > situation_->self && aura->host != to &&
-        (we_stay || aura->company.changes < Company::changes_max || is_coming(*aura)))
-      verdict.asked.push_back(aura);
+    if (aura->host > situation_->self && aura->host != to) verdict.asked.push_back(aura);
   if (!crowded || to == situation_->self) remember(contest, verdict);
   return verdict;
 }

@@ -137,6 +137,7 @@ class Contests {
     Tick at;               ///< For the last time.
     Tick since;            ///< To the same server.
     bool settled = false;  ///< One side had changed its owner as often as it should by then.
+    bool ours = false;     ///< It was hosted here.
   };
   std::map<BodyId, Given> given_;
   using TheirCluster = std::pair<RegionId, std::uint16_t>;  ///< Its host and label.
