@@ -320,7 +320,7 @@ MUTATIONS = [
         "server/aura/adaptive/contests.cpp",
         " ||\n        (settled && !given.settled))\n",
         ")\n",
-        ((AURA, "at a corner, too, what comes is waited for before all go to who has changed twice"),),
+        ((AURA, "what is asked for by who knows now what it was refused for is waited for"),),
     ),
     Mutation(
         "swapped-places",

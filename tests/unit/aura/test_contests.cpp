@@ -217,17 +217,33 @@ TEST_CASE("what has been given to the server that had it anyway joins nothing th
 TEST_CASE("what is asked for anew after it was left out is waited for as long as at first") {
   Scene scene;
   const auto policy = make_adaptive_policy(AuraTolerances{});
-  scene.hosted = {awake_at(0, 9.6)};
-  scene.remote = {aura(1, 1, false, 10.1)};
+  scene.hosted = {awake_at(0, 9.6, 3)};
+  scene.hosted[0].changed_owner = Tick{-3};
+  scene.hosted[0].changed_owner_before = Tick{-30};
+  scene.remote = {aura(1, 1, false, 10.1, 3)};
+  scene.remote[0].company.changes = Company::changes_max;
+  for (const std::int64_t tick : {0, 6, 8})
+    REQUIRE(scene.decide(*policy, Tick{tick}).pulls.size() == 1);
+  // Ours may change its owner again, but the other one is on its way.
+  scene.hosted[0].changed_owner_before = Tick{-100};
+  const auto decision = scene.decide(*policy, Tick{10});
+  REQUIRE(decision.leaving.empty());
+  REQUIRE(decision.pulls.size() == 1);
+}
+
+TEST_CASE("what is asked for by who knows now what it was refused for is waited for") {
+  Scene scene;
+  const auto policy = make_adaptive_policy(AuraTolerances{});
+  scene.hosted = {awake_at(0, 9.6, 3)};
+  scene.remote = {aura(1, 1, false, 10.1, 3)};
   REQUIRE(scene.decide(*policy, Tick{0}).pulls.size() == 1);
   // Both sides have changed twice meanwhile; ours stays.
-  scene.hosted[0].changed_owner = Tick{3};
+  scene.hosted[0].changed_owner = Tick{1};
   scene.hosted[0].changed_owner_before = Tick{-30};
   scene.remote[0].company.changes = Company::changes_max;
-  REQUIRE(scene.decide(*policy, Tick{6}).pulls.size() == 1);
-  // The other one has grown, but is on its way.
-  scene.remote[0].company.size_class = 3;
-  const auto decision = scene.decide(*policy, Tick{8});
+  REQUIRE(scene.decide(*policy, Tick{2}).pulls.size() == 1);
+  scene.hosted[0].changed_owner_before = Tick{-100};
+  const auto decision = scene.decide(*policy, Tick{4});
   REQUIRE(decision.leaving.empty());
   REQUIRE(decision.pulls.size() == 1);
 }
@@ -241,7 +257,7 @@ TEST_CASE("at a corner, too, what comes is waited for before all go to who has c
   REQUIRE(scene.decide(*policy, Tick{0}).pulls.size() == 2);
   // Its host has refused it, but may not do so again.
   scene.remote[1].company.changes = Company::changes_max;
-  for (const std::int64_t tick : {2, 4, 6}) {
+  for (const std::int64_t tick : {2, 4, 6, 8}) {
     INFO("tick " << tick);
     const auto decision = scene.decide(*policy, Tick{tick});
     REQUIRE(decision.leaving.empty());
