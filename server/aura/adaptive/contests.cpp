@@ -126,11 +126,13 @@ void Contests::remember_visitors() {
   auto before = visits_.begin();
   for (const std::uint32_t i : outlook_->stage().ascending()) {
     const BodyId id = outlook_->body(i).id;
+    visitors_[i].for_each([&](RegionId visitor) {
+      visits.push_back({id, visitor, situation_->now});
+    });
     while (before != visits_.end() && before->visited < id) ++before;
-    if (!visitors_[i].empty()) {
-      visits.push_back({id, visitors_[i], situation_->now});
-    } else if (before != visits_.end() && before->visited == id && is_fresh(*before)) {
-      visitors_[i] = before->visitors;
+    for (; before != visits_.end() && before->visited == id; ++before) {
+      if (visitors_[i].contains(before->visitor) || !is_fresh(*before)) continue;
+      visitors_[i].add(before->visitor);
       visits.push_back(*before);
     }
   }

@@ -123,10 +123,10 @@ class Contests {
   /// Who hosts something on the way of each body, by the last look ahead; ascending.
   std::vector<std::pair<BodyId, RegionSet>> warned_;
   Tick last_warning_{-1'000'000};
-  /// Who has lately had auras near each body; ascending.
+  /// Who has lately had auras near a body, each by itself; those of lower bodies first.
   struct Visit {
     BodyId visited;
-    RegionSet visitors;
+    RegionId visitor;
     Tick at;
   };
   std::vector<Visit> visits_;

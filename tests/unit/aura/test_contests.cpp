@@ -59,6 +59,26 @@ TEST_CASE(
   REQUIRE(told(20)[0].company.label == 0);
 }
 
+TEST_CASE("who was near is told on though somebody else is near now") {
+  Scene scene;
+  scene.map = columns(3);
+  scene.self = 1;
+  const auto policy = make_adaptive_policy(AuraTolerances{});
+  scene.hosted = {asleep_at(0, 15)};
+  const auto told = [&](int tick) {
+    const auto projected = scene.decide(*policy, Tick{tick}).projected;
+    return projected.empty() ? RegionSet{} : projected[0].to;
+  };
+  scene.remote = {aura(1, 0, false, 14)};
+  REQUIRE(told(0).contains(RegionId{0}));
+  for (int tick = 2; tick <= 4; tick += 2) {
+    scene.remote = {aura(2, 2, false, 16)};
+    REQUIRE(told(tick).contains(RegionId{0}));
+    REQUIRE(told(tick).contains(RegionId{2}));
+  }
+  REQUIRE(!told(20).contains(RegionId{0}));
+}
+
 TEST_CASE("the arbiter gives a pair to whoever's region its middle lies in") {
   Scene scene;
   scene.hosted = {awake_at(0, 9.9)};
