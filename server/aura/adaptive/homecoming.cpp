@@ -6,6 +6,7 @@
 
 #include "server/aura/adaptive/aura_size.h"
 #include "server/aura/adaptive/contests.h"
+#include "server/aura/adaptive/load_balance.h"
 
 namespace aureole {
 namespace {
@@ -66,10 +67,21 @@ bool Homecoming::stirs(BodyId id) const {
   return at != unrest_.end() && at->first == id;
 }
 
+/// The region that it lies in; or its host's, if that has less to do and it lies near to it.
+RegionId Homecoming::belongs_to(std::uint32_t body) const {
+  const WorldPosition& at = outlook_->body(body).position;
+  const RegionId host = situation_->self, here = situation_->map.region_at(at.x, at.z);
+  const std::span<const double> awake = situation_->awake;
+  if (here == host || awake.empty()) return here;
+  const double kept_m = lent_m(awake[here.value], awake[host.value]);
+  return situation_->map.area(host).distance(at.x, at.z) < kept_m ? host : here;
+}
+
 bool Homecoming::is_away(std::uint32_t body) const {
   const WorldPosition& at = outlook_->body(body).position;
   return situation_->map.area(situation_->self).distance(at.x, at.z) >
-         (outlook_->rests(body) ? resting_hysteresis_m : home_hysteresis_m);
+             (outlook_->rests(body) ? resting_hysteresis_m : home_hysteresis_m) &&
+         belongs_to(body) != situation_->self;
 }
 
 /// Room for what it may do soon if nothing turns it.
@@ -160,13 +172,10 @@ bool Homecoming::may_leave(std::uint32_t i, bool contested) {
                                   !is_threatened(i, Link::touching)));
 }
 
-/// The region that most of the cluster's bodies are in; the lower number on a tie.
+/// The region that most of the cluster's bodies belong to; the lower number on a tie.
 RegionId Homecoming::home_of(Clusters::Number cluster) const {
   std::map<RegionId, std::size_t> holds;
-  for (const std::uint32_t member : clusters_->members(cluster)) {
-    const WorldPosition& at = outlook_->body(member).position;
-    ++holds[situation_->map.region_at(at.x, at.z)];
-  }
+  for (const std::uint32_t member : clusters_->members(cluster)) ++holds[belongs_to(member)];
   return std::max_element(holds.begin(), holds.end(),
                           [](auto& a, auto& b) { return a.second < b.second; })
       ->first;

@@ -21,7 +21,8 @@ class Contests;
 
 /// What lies outside of its host's region goes home (section 3.5 of the paper) where nobody would
 /// fetch it back at once: all that would soon meet each other together, a pocket, and only if
-/// nothing of it soon meets what stays here, or what is hosted by a third server.
+/// nothing of it soon meets what stays here, or what is hosted by a third server. A server that has
+/// less to do keeps what lies near to it (lent_m()).
 class Homecoming {
  public:
   struct Pocket {
@@ -37,6 +38,7 @@ class Homecoming {
 
  private:
   bool stirs(BodyId id) const;
+  RegionId belongs_to(std::uint32_t body) const;
   bool is_away(std::uint32_t body) const;
   AuraBox room_of(std::uint32_t body) const;
   void find_stirrers();

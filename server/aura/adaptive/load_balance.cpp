@@ -10,7 +10,11 @@ namespace {
 constexpr double little = 64;
 
 /// The shift for a difference of all that there is, and the longest (m).
-constexpr double whole_shift_m = 300.0, shift_max_m = 6.0;
+constexpr double whole_shift_m = 300.0, shift_max_m = 12.0;
+
+/// Who has fewer awake than this has little to do and lends nothing: a world that calms down comes
+/// home.
+constexpr double much = 128;
 
 }  // namespace
 
@@ -20,6 +24,10 @@ double line_shift_m(SideLoad here, SideLoad there) {
   if (more > 0 ? here.contested > more : there.contested > -more) return 0;
   return std::clamp(whole_shift_m * more / (here.awake + there.awake + 2 * little), -shift_max_m,
                     shift_max_m);
+}
+
+double lent_m(double awake_here, double awake_there) {
+  return awake_here < much ? 0 : std::max(0.0, line_shift_m({awake_here, 0}, {awake_there, 0}));
 }
 
 }  // namespace aureole

@@ -12,8 +12,8 @@ TEST_CASE("the line is shifted towards who has more to do, both ways alike, and 
   REQUIRE(shift < 3);
   REQUIRE(line_shift_m({1000, 1}, {1010, 1}) == Approx(-shift));
   REQUIRE(line_shift_m({1000, 1}, {1000, 1}) == 0);
-  REQUIRE(line_shift_m({1000, 1}, {100, 1}) == Approx(6));
-  REQUIRE(line_shift_m({100, 1}, {1000, 1}) == Approx(-6));
+  REQUIRE(line_shift_m({1000, 1}, {100, 1}) == Approx(12));
+  REQUIRE(line_shift_m({100, 1}, {1000, 1}) == Approx(-12));
 }
 
 TEST_CASE("the line is not shifted for so many bodies that the other one would have more to do") {
@@ -50,6 +50,26 @@ TEST_CASE("the arbiter fetches what lies on the other side while it has less to 
   const auto decision = scene.decide();
   REQUIRE(decision.leaving.empty());
   REQUIRE(decision.pulls.size() == 1);
+}
+
+TEST_CASE("who has less to do keeps what lies no farther away than the line is shifted") {
+  for (const double x : {13.0, 21.0, 23.0}) {
+    for (const double theirs : {900.0, 1000.0, 1100.0}) {
+      Scene scene;
+      scene.hosted = {awake_at(0, x)};
+      scene.awake = {1000, theirs};
+      INFO("at " << x << " m, " << theirs << " awake there");
+      REQUIRE(scene.decide().leaving.empty() == (theirs == 1100 && x < 22));
+    }
+  }
+}
+
+TEST_CASE("who has little to do itself lends nothing") {
+  REQUIRE(lent_m(128, 20) == Approx(12));
+  REQUIRE(lent_m(127, 20) == 0);
+  REQUIRE(lent_m(1000, 1000) == 0);
+  REQUIRE(lent_m(1000, 1100) == 0);
+  REQUIRE(lent_m(1000, 0) == 0);  // Nothing has been heard of it.
 }
 
 TEST_CASE("where three meet all go to the lowest, however much it has to do") {
