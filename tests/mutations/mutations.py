@@ -391,11 +391,11 @@ MUTATIONS = [
     ),
     Mutation(
         "calm-world-abroad",
-        "what was lent stays abroad though nobody has much to do any more",
+        "lines are shifted, and what was lent stays abroad, though nobody has much to do any more",
         "server/aura/adaptive/load_balance.cpp",
-        "  return awake_here < much ? 0 : ",
-        "  return awake_here < 0 ? 0 : ",
-        ((AURA, "who has little to do itself lends nothing"),),
+        " || std::max(here.awake, there.awake) < much) return 0;",
+        ") return 0;",
+        ((AURA, "a server that has little to do, or says nothing, shifts no line"),),
     ),
     Mutation(
         "left-out-decision",

@@ -73,7 +73,7 @@ RegionId Homecoming::belongs_to(std::uint32_t body) const {
   const RegionId host = situation_->self, here = situation_->map.region_at(at.x, at.z);
   const std::span<const double> awake = situation_->awake;
   if (here == host || awake.empty()) return here;
-  const double kept_m = lent_m(awake[here.value], awake[host.value]);
+  const double kept_m = line_shift_m({awake[here.value], 0}, {awake[host.value], 0});
   return situation_->map.area(host).distance(at.x, at.z) < kept_m ? host : here;
 }
 

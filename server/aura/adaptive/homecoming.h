@@ -22,7 +22,7 @@ class Contests;
 /// What lies outside of its host's region goes home (section 3.5 of the paper) where nobody would
 /// fetch it back at once: all that would soon meet each other together, a pocket, and only if
 /// nothing of it soon meets what stays here, or what is hosted by a third server. A server that has
-/// less to do keeps what lies near to it (lent_m()).
+/// less to do keeps what lies near to it (line_shift_m()).
 class Homecoming {
  public:
   struct Pocket {

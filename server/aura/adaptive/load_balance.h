@@ -11,17 +11,14 @@ struct SideLoad {
 
 /// How far the line between two regions is shifted into that of `here`, whose clusters go to the
 /// other side there (m); negative: the other way. It follows the difference between the two, up to
-/// 12 m: who is given more of a heap along the boundary hosts it farther from home. Not where so
-/// many bodies would turn the difference around.
+/// 12 m: who is given more of a heap along the boundary hosts it farther from home, and keeps it
+/// there (homecoming.h). 0 where so many bodies would turn the difference around, and while neither
+/// has much to do.
 ///
 /// Contests look at it only where two meet. Where three do, all go to the one that comes first in
 /// an order that never changes: an order by what servers have to do was tried, changed at the same
 /// tick by all of them, and evens out a corner of four; but what has just come to the first has to
 /// go on to the next.
 double line_shift_m(SideLoad here, SideLoad there);
-
-/// How far into the region of a server with so many bodies awake another one, with fewer, keeps
-/// what it hosts (m, at least 0): at a shifted line it is given what would go home again otherwise.
-double lent_m(double awake_here, double awake_there);
 
 }  // namespace aureole
