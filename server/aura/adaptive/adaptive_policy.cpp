@@ -6,7 +6,8 @@
 // servers that may host something there. Two bodies whose auras overlap must be hosted together
 // unless both rest; then each is to the other a wall that does not move, a stand-in.
 //
-//   - Who gets both is decided by one server (contests.h), so that two can never disagree.
+//   - Who gets both is decided by one server (contests.h), so that two can never disagree. Whoever
+//     comes near hears of it (visitors.h); what has been given is on its way (promises.h).
 //   - With a body goes its cluster (clusters.h).
 //   - What nobody holds goes home (homecoming.h).
 #include <algorithm>
@@ -18,6 +19,7 @@
 #include "server/aura/adaptive/contests.h"
 #include "server/aura/adaptive/homecoming.h"
 #include "server/aura/adaptive/outlook.h"
+#include "server/aura/adaptive/visitors.h"
 #include "server/aura/audience.h"
 #include "server/aura/migration_policy.h"
 
@@ -46,7 +48,9 @@ class AdaptivePolicy final : public MigrationPolicy {
   explicit AdaptivePolicy(const AuraTolerances& tolerances)
       : longest_aura_m_(longest_aura_m(tolerances)),
         outlook_(reach_time_s(tolerances)),
-        contests_(tolerances) {}
+        contests_(tolerances) {
+    visitors_.set_tolerances(tolerances);
+  }
 
   std::int64_t interval_ticks() const override { return decision_ticks; }
   double depth_m() const override { return std::max(strip_m, 2 * longest_aura_m_); }
@@ -55,13 +59,16 @@ class AdaptivePolicy final : public MigrationPolicy {
     longest_aura_m_ = longest_aura_m(tolerances);
     outlook_.set_reach(reach_time_s(tolerances));
     contests_.set_tolerances(tolerances);
+    visitors_.set_tolerances(tolerances);
   }
 
   MigrationDecision decide(const MigrationSituation& s) override {
     outlook_.look(s);
     clusters_.begin(s, outlook_);
     homecoming_.note_unrest(s, outlook_);
-    contests_.find(s, outlook_, clusters_);
+    visitors_.begin(s, outlook_);
+    contests_.find(s, outlook_, clusters_, visitors_);
+    visitors_.warn();
     if (!sees_enough(s)) {
       MigrationDecision nothing;
       nothing.sees_too_little = true;
@@ -88,7 +95,7 @@ class AdaptivePolicy final : public MigrationPolicy {
     }
     for (auto& [way, bodies] : pulls)
       decision.pulls.push_back({way.first, way.second, {bodies.begin(), bodies.end()}});
-    contests_.remember_visitors();
+    visitors_.remember();
     project(s, decision);
     return decision;
   }
@@ -116,7 +123,7 @@ class AdaptivePolicy final : public MigrationPolicy {
   void send(const MigrationSituation& s, Clusters::Number cluster, RegionId to, Leaving& leaving) {
     if (clusters_.sent(cluster) || to == s.self || !s.linked[to.value]) return;
     clusters_.note_sent(cluster);
-    contests_.note_leaving(cluster, to);
+    visitors_.note_leaving(clusters_.members(cluster), to);
     for (std::uint32_t member : clusters_.members(cluster))
       leaving[to].push_back(outlook_.body(member).id);
   }
@@ -142,7 +149,7 @@ class AdaptivePolicy final : public MigrationPolicy {
       const auto cluster = clusters_.known(i);
       if (cluster && clusters_.sent(*cluster)) continue;
       const AuraBox& box = outlook_.box(i);
-      const RegionSet visitors = contests_.visitors_of(i);
+      const RegionSet visitors = visitors_.of(i);
       RegionSet told = visitors;
       const bool inside = home.holds(box.centre.x() - box.half.x(), box.centre.z() - box.half.z(),
                                      box.centre.x() + box.half.x(), box.centre.z() + box.half.z());
@@ -166,6 +173,7 @@ class AdaptivePolicy final : public MigrationPolicy {
   Outlook outlook_;
   Clusters clusters_;
   Contests contests_;
+  Visitors visitors_;
   Homecoming homecoming_;
   Tick last_homecoming_{-homecoming_interval_ticks};
 };

@@ -24,6 +24,16 @@ inline std::int64_t hearing_ticks(const AuraTolerances& tolerances) {
   return (flight + decision_ticks - 1) / decision_ticks * decision_ticks;
 }
 
+/// Until a server hears what is made of its word.
+inline std::int64_t round_trip_ticks(const AuraTolerances& tolerances) {
+  return 2 * hearing_ticks(tolerances);
+}
+
+/// How long a verdict is kept, and who was near remembered: a round trip and a decision.
+inline std::int64_t verdict_hold_ticks(const AuraTolerances& tolerances) {
+  return round_trip_ticks(tolerances) + decision_ticks;
+}
+
 /// To spare. A request that is refused once, since the asker could not know what has come to the
 /// other one meanwhile, takes one more still; with none more simulated seeds break rules.
 inline constexpr std::int64_t spare_ticks = 1;
@@ -33,7 +43,7 @@ inline constexpr std::int64_t spare_ticks = 1;
 /// what it is asked for; and one flight until that has come. That the other server has heard of the
 /// arbiter's body by then, and tells it of its own, visitor_clearance_m() sees to.
 inline std::int64_t reach_ticks(const AuraTolerances& tolerances) {
-  return decision_ticks - 1 + 2 * hearing_ticks(tolerances) +
+  return decision_ticks - 1 + round_trip_ticks(tolerances) +
          static_cast<std::int64_t>(steps_in_flight(tolerances)) + spare_ticks;
 }
 

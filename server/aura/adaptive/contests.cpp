@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <bit>
-#include <set>
 
 #include "server/aura/adaptive/aura_size.h"
-#include "server/aura/adaptive/homecoming.h"
 #include "server/aura/adaptive/load_balance.h"
 
 namespace aureole {
@@ -17,15 +15,6 @@ namespace {
 /// the last second does so sooner.
 constexpr Horizon up_near{8.0, 1.0, true};
 constexpr Horizon up_near_again{32.0, 1.0, true};
-
-/// What is so near to a cluster, and to where it may soon get, may be part of it by now (m).
-constexpr double merging_m = 2.0;
-
-/// What rests leans on what is no further away (m).
-constexpr double leaning_m = 0.1;
-
-/// Ways of a second change little meanwhile.
-constexpr std::int64_t warning_interval_ticks = 4;
 
 std::uint8_t size_class_of(std::size_t bodies) {
   const int power = std::bit_width(std::max<std::size_t>(bodies, 1)) - 1;
@@ -40,7 +29,8 @@ std::uint16_t label_of(BodyId body) {
 
 }  // namespace
 
-void Contests::find(const MigrationSituation& s, Outlook& outlook, Clusters& clusters) {
+void Contests::find(const MigrationSituation& s, Outlook& outlook, Clusters& clusters,
+                    Visitors& visitors) {
   situation_ = &s;
   outlook_ = &outlook;
   clusters_ = &clusters;
@@ -52,109 +42,19 @@ void Contests::find(const MigrationSituation& s, Outlook& outlook, Clusters& clu
     settled_at_ = s.now;
   }
   contested_.clear();
-  visitors_.clear();
-  std::erase_if(given_, [&](const auto& given) { return s.now - given.second.at > hold_ticks_; });
+  promises_.begin(s);
   neighbourhood_.begin(s, outlook, clusters);
-  std::vector<std::uint32_t> found;
+  std::vector<std::uint32_t> near;
   for (const RemoteAura& aura : s.remote) {
-    AuraBox wide = aura.room.box();
-    wide.half.array() += visitor_clearance_m_ + aura.speed_mps * reach_s_;
-    found.clear();
-    outlook.find(wide, found);
-    make_room();
-    for (const std::uint32_t body : found) {
-      visitors_[body].add(aura.host);
+    visitors.find(aura, near);
+    contested_.resize(outlook.size(), false);
+    for (const std::uint32_t body : near) {
       if ((outlook.rests(body) && aura.resting) || !overlap(aura.room, outlook.aura(body)))
         continue;
       contested_[body] = true;
       Meetings& meets = meetings_[clusters.of(body)];
       if (meets.empty() || meets.back() != &aura) meets.push_back(&aura);
     }
-  }
-  if (s.now - last_warning_ >= warning_interval_ticks) look_ahead();
-  make_room();
-  auto warned = warned_.begin();
-  for (std::uint32_t i = 0; i < s.hosted.size() && warned != warned_.end(); ++i) {
-    while (warned != warned_.end() && warned->first < s.hosted[i].id) ++warned;
-    if (warned != warned_.end() && warned->first == s.hosted[i].id)
-      visitors_[i].add(warned->second);
-  }
-}
-
-void Contests::note_leaving(Clusters::Number cluster, RegionId to) {
-  std::vector<std::uint32_t> found;
-  for (const std::uint32_t member : clusters_->members(cluster)) {
-    AuraBox wide = outlook_->box(member);
-    wide.half.array() += outlook_->rests(member)
-                             ? leaning_m
-                             : visitor_clearance_m_ + outlook_->expected_mps(member) * reach_s_;
-    outlook_->find(wide, found);
-  }
-  make_room();
-  for (const std::uint32_t body : found) visitors_[body].add(to);
-}
-
-/// For whoever has come on the stage meanwhile.
-void Contests::make_room() {
-  contested_.resize(outlook_->size(), false);
-  visitors_.resize(outlook_->size());
-}
-
-/// Sleepers that nothing comes near to any more are told of until it is sure that nothing will.
-void Contests::bring_in_visited() {
-  std::vector<BodyId> absent;
-  const std::span<const std::uint32_t> present = outlook_->stage().ascending();
-  auto at = present.begin();
-  for (const Visit& visit : visits_) {
-    while (at != present.end() && outlook_->body(*at).id < visit.visited) ++at;
-    if (at != present.end() && outlook_->body(*at).id == visit.visited) continue;
-    if (situation_->now - visit.at <= hold_ticks_) absent.push_back(visit.visited);
-  }
-  for (const BodyId id : absent) outlook_->stage().number_of(id);
-  make_room();
-}
-
-/// What is handed from one server to another is heard of by a third neither from the one nor from
-/// the other for some ticks: it is still there.
-void Contests::remember_visitors() {
-  const auto is_fresh = [&](const Visit& visit) {
-    return situation_->now - visit.at <= hold_ticks_;
-  };
-  bring_in_visited();
-  std::vector<Visit> visits;
-  visits.reserve(visits_.size() + 16);
-  auto before = visits_.begin();
-  for (const std::uint32_t i : outlook_->stage().ascending()) {
-    const BodyId id = outlook_->body(i).id;
-    visitors_[i].for_each([&](RegionId visitor) {
-      visits.push_back({id, visitor, situation_->now});
-    });
-    while (before != visits_.end() && before->visited < id) ++before;
-    for (; before != visits_.end() && before->visited == id; ++before) {
-      if (visitors_[i].contains(before->visitor) || !is_fresh(*before)) continue;
-      visitors_[i].add(before->visitor);
-      visits.push_back(*before);
-    }
-  }
-  visits_ = std::move(visits);
-}
-
-/// Whoever hosts something on the way of what moves here is told of it: it must not come home into
-/// the way.
-void Contests::look_ahead() {
-  last_warning_ = situation_->now;
-  warned_.clear();
-  if (situation_->remote.empty()) return;
-  std::vector<std::uint32_t> found;
-  for (std::uint32_t i = 0; i < situation_->hosted.size(); ++i) {
-    if (!outlook_->moves(i)) continue;
-    const AuraBox way = way_of(situation_->hosted[i], clear_flight_s);
-    if (!outlook_->near_others(way)) continue;
-    found.clear();
-    outlook_->remote_rows().find(way, found);
-    RegionSet hosts;
-    for (const std::uint32_t other : found) hosts.add(situation_->remote[other].host);
-    if (!hosts.empty()) warned_.emplace_back(situation_->hosted[i].id, hosts);
   }
 }
 
@@ -261,52 +161,10 @@ std::vector<Contests::Contest> Contests::joined_contests() const {
   return contests;
 }
 
-/// Whether an aura's body has lately been asked for, and its host will not have refused that: see
-/// is_overtaken(), whose reasons are known here by now.
-bool Contests::is_coming(const RemoteAura& aura) const {
-  const auto at = given_.find(aura.id);
-  if (at == given_.end() || at->second.to != situation_->self) return false;
-  const bool settled_since = aura.company.changes == Company::changes_max && !at->second.settled;
-  const bool joined_by_ours = joined_.contains({aura.host, aura.company.label});
-  return !settled_since && !joined_by_ours && situation_->now - at->second.since <= hold_ticks_;
-}
-
-/// Whose clusters have lately been asked for, to come here, and are still told of.
-void Contests::note_coming() {
-  joined_.clear();
-  for (const RemoteAura& aura : situation_->remote) {
-    const auto at = given_.find(aura.id);
-    if (aura.company.label != 0 && at != given_.end() && at->second.ours &&
-        at->second.to == aura.host && situation_->now - at->second.since <= round_trip_ticks_)
-      joined_.insert({aura.host, aura.company.label});
-  }
-  std::set<TheirCluster> clusters;
-  for (const RemoteAura& aura : situation_->remote)
-    if (aura.company.label != 0 && is_coming(aura))
-      clusters.insert({aura.host, aura.company.label});
-  coming_.clear();
-  std::vector<AuraBox> boxes;
-  for (const RemoteAura& aura : situation_->remote) {
-    if (!clusters.contains({aura.host, aura.company.label}) && !is_coming(aura)) continue;
-    coming_.push_back(aura.host);
-    boxes.push_back(aura.room.box());
-  }
-  coming_rows_.build(boxes);
-}
-
 /// Whether any of it comes here, or may have become part by now of a cluster that does.
 bool Contests::may_come(const Meetings& meets) const {
-  std::vector<std::uint32_t> found;
-  return std::any_of(meets.begin(), meets.end(), [&](const RemoteAura* aura) {
-    if (is_coming(*aura)) return true;
-    if (coming_.empty()) return false;
-    AuraBox room = aura->room.box();
-    room.half.array() += merging_m + aura->speed_mps * reach_s_;
-    found.clear();
-    coming_rows_.find(room, found);
-    return std::any_of(found.begin(), found.end(),
-                       [&](std::uint32_t i) { return coming_[i] == aura->host; });
-  });
+  return std::any_of(meets.begin(), meets.end(),
+                     [&](const RemoteAura* aura) { return promises_.may_come(*aura); });
 }
 
 /// Takes from a contest those of our clusters that meet what comes here, and whom they meet.
@@ -330,14 +188,13 @@ RegionId Contests::arbitrate(const Contest& contest, RegionId other) const {
   bool asked = false, gave = false;
   bool gave_lately = false;  // Where it has come to what we asked for, that stays: is_overtaken().
   const auto note_given = [&](BodyId id) {
-    const auto at = given_.find(id);
-    if (at == given_.end()) return;
-    const std::int64_t age = situation_->now - at->second.since;
-    if (at->second.to == self) {
+    const Promises::Promise* given = promises_.of(id);
+    if (given == nullptr) return;
+    if (given->to == self) {
       asked = true;
-    } else if (at->second.to == other) {
+    } else if (given->to == other) {
       gave = true;
-      gave_lately = gave_lately || age <= round_trip_ticks_;
+      gave_lately = gave_lately || promises_.is_fresh(*given);
     }
   };
   Eigen::Vector3d theirs(0, 0, 0), ours(0, 0, 0);
@@ -406,21 +263,13 @@ bool Contests::meets_a_third_soon(const Contest& contest, RegionId other) const 
 
 void Contests::remember(const Contest& contest, const Verdict& verdict) {
   const bool we_stay = have_changed_twice(contest.ours);
-  const auto give = [&](BodyId id, bool settled, bool ours) {
-    const Given fresh{verdict.to, situation_->now, situation_->now, settled, ours};
-    Given& given = given_.try_emplace(id, fresh).first->second;
-    // Anew after it was left out, or by who knows now what it was refused for.
-    if (given.to != verdict.to || situation_->now - given.at > decision_ticks ||
-        (settled && !given.settled))
-      given = fresh;
-    given.at = situation_->now;
-  };
   for (const RemoteAura* aura : verdict.to == situation_->self ? verdict.asked : contest.meets)
-    give(aura->id, we_stay || aura->company.changes == Company::changes_max, false);
+    promises_.give(aura->id, verdict.to, we_stay || aura->company.changes == Company::changes_max,
+                   false);
   if (verdict.to == situation_->self) return;
   for (const Clusters::Number cluster : contest.ours)
     for (const std::uint32_t member : clusters_->members(cluster))
-      give(outlook_->body(member).id, false, true);
+      promises_.give(outlook_->body(member).id, verdict.to, false, true);
 }
 
 bool Contests::have_changed_twice(const std::vector<Clusters::Number>& clusters) const {
@@ -440,7 +289,7 @@ Contests::Verdict Contests::conclude(const Contest& contest, RegionId to, bool c
 
 std::vector<Contests::Verdict> Contests::verdicts() {
   const RegionId self = situation_->self;
-  note_coming();
+  promises_.note_coming();
   std::vector<Verdict> all;
   for (Contest& contest : joined_contests()) {
     RegionSet others;

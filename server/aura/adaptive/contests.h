@@ -3,7 +3,6 @@
 
 #include <map>
 #include <optional>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -11,6 +10,8 @@
 #include "server/aura/adaptive/clusters.h"
 #include "server/aura/adaptive/neighbourhood.h"
 #include "server/aura/adaptive/outlook.h"
+#include "server/aura/adaptive/promises.h"
+#include "server/aura/adaptive/visitors.h"
 #include "server/aura/audience.h"
 #include "server/aura/migration_policy.h"
 
@@ -32,14 +33,13 @@ class Contests {
   explicit Contests(const AuraTolerances& tolerances) { set_tolerances(tolerances); }
 
   void set_tolerances(const AuraTolerances& tolerances) {
-    reach_s_ = reach_time_s(tolerances);
-    visitor_clearance_m_ = visitor_clearance_m(tolerances);
-    round_trip_ticks_ = 2 * hearing_ticks(tolerances);
-    hold_ticks_ = round_trip_ticks_ + 2;
+    round_trip_ticks_ = round_trip_ticks(tolerances);
+    promises_.set_tolerances(tolerances);
   }
 
-  /// Once a tick.
-  void find(const MigrationSituation& situation, Outlook& outlook, Clusters& clusters);
+  /// Once a tick. Notes on the way who visits whom.
+  void find(const MigrationSituation& situation, Outlook& outlook, Clusters& clusters,
+            Visitors& visitors);
 
   struct Verdict {
     std::vector<Clusters::Number> clusters;  ///< Ours that meet, directly or through others'.
@@ -58,20 +58,9 @@ class Contests {
   /// waiting would make it too late.
   bool is_overtaken(Clusters::Number cluster, BodyId asked_for, RegionId asker);
 
-  /// A cluster goes to another server: until that one tells of its auras, it is told of what they
-  /// are near to. What lies on a body that stays would fall through it there.
-  void note_leaving(Clusters::Number cluster, RegionId to);
-  /// When all leave who do, before it is told who is near to what: whoever was so lately counts.
-  void remember_visitors();
-
   /// Whether a body must be brought together with somebody else's.
   bool is_contested(std::uint32_t body) const {
     return body < contested_.size() && contested_[body];
-  }
-  /// Hosts of the auras near a body's, lately: they are told of it. Whoever comes on the stage
-  /// after remember_visitors() has none.
-  RegionSet visitors_of(std::uint32_t body) const {
-    return body < visitors_.size() ? visitors_[body] : RegionSet{};
   }
   /// Of a body whose cluster is known.
   const Company& company_of(std::uint32_t body);
@@ -83,15 +72,10 @@ class Contests {
     std::vector<Clusters::Number> ours;
     Meetings meets;
   };
-  void make_room();
-  void look_ahead();
-  void bring_in_visited();
   std::vector<Contest> joined_contests() const;
   std::uint8_t changes_of(const HostedBody& body) const;
   std::uint8_t changes_of(Clusters::Number cluster) const;
   RegionId arbitrate(const Contest& contest, RegionId other) const;
-  bool is_coming(const RemoteAura& aura) const;
-  void note_coming();
   bool may_come(const Meetings& meets) const;
   static void sort_by_id(Meetings& meets);
   Contest take_waiting(Contest& contest) const;
@@ -103,13 +87,12 @@ class Contests {
   Tick settled_since(BodyId id);
   bool meets_settled(Clusters::Number cluster, RegionId other) const;
 
-  double reach_s_ = 0, visitor_clearance_m_ = 0;
-  std::int64_t round_trip_ticks_ = 0;  ///< Until a server hears what is made of its word.
-  std::int64_t hold_ticks_ = 0;        ///< How long a verdict is kept.
+  std::int64_t round_trip_ticks_ = 0;
   const MigrationSituation* situation_ = nullptr;
   Outlook* outlook_ = nullptr;
   Clusters* clusters_ = nullptr;
   Neighbourhood neighbourhood_;
+  Promises promises_;
   std::map<Clusters::Number, Meetings> meetings_;
   /// By cluster, found out when first asked for.
   std::vector<std::optional<Company>> companies_;
@@ -119,33 +102,6 @@ class Contests {
   std::map<BodyId, Tick> settled_, settled_now_;
   Tick settled_at_{-1'000'000};
   std::vector<bool> contested_;
-  std::vector<RegionSet> visitors_;
-  /// Who hosts something on the way of each body, by the last look ahead; ascending.
-  std::vector<std::pair<BodyId, RegionSet>> warned_;
-  Tick last_warning_{-1'000'000};
-  /// Who has lately had auras near a body, each by itself; those of lower bodies first.
-  struct Visit {
-    BodyId visited;
-    RegionId visitor;
-    Tick at;
-  };
-  std::vector<Visit> visits_;
-  /// Where the arbiter has lately given bodies, ours and others': until they have arrived, whoever
-  /// meets them goes there too.
-  struct Given {
-    RegionId to;
-    Tick at;               ///< For the last time.
-    Tick since;            ///< To the same server.
-    bool settled = false;  ///< One side had changed its owner as often as it should by then.
-    bool ours = false;     ///< It was hosted here.
-  };
-  std::map<BodyId, Given> given_;
-  using TheirCluster = std::pair<RegionId, std::uint16_t>;  ///< Its host and label.
-  /// Others' clusters to which something of ours has lately come.
-  std::set<TheirCluster> joined_;
-  /// Who hosts each of the auras of clusters that have been asked for, and boxes around these.
-  std::vector<RegionId> coming_;
-  BoxRows coming_rows_;
 };
 
 }  // namespace aureole
