@@ -29,7 +29,7 @@ void BoxRows::clear() {
   entries_.clear();
   fresh_.clear();
   large_.clear();
-  begins_.clear();
+  rows_.clear();
   erased_ = false;
 }
 
@@ -46,7 +46,7 @@ void BoxRows::erase(Number number, const AuraBox& box) {
   };
   const RoughBox rough = RoughBox::around(box);
   const Entry key{row_of(rough.low[2]), number, rough};
-  const auto at = std::lower_bound(entries_.begin(), entries_.end(), key, is_before);
+  const auto at = std::lower_bound(entries_.begin(), entries_.end(), key, IsBefore{});
   if (at != entries_.end() && is_it(*at)) {
     // It keeps its place in the order until the next settle().
     at->box.low[2] = erased;
@@ -62,34 +62,52 @@ void BoxRows::settle() {
   if (erased_)
     std::erase_if(entries_, [](const Entry& entry) { return entry.box.low[2] == erased; });
   erased_ = false;
-  std::sort(fresh_.begin(), fresh_.end(), is_before);
+  std::sort(fresh_.begin(), fresh_.end(), IsBefore{});
   const auto middle = static_cast<std::ptrdiff_t>(entries_.size());
   entries_.insert(entries_.end(), fresh_.begin(), fresh_.end());
-  std::inplace_merge(entries_.begin(), entries_.begin() + middle, entries_.end(), is_before);
+  std::inplace_merge(entries_.begin(), entries_.begin() + middle, entries_.end(), IsBefore{});
   fresh_.clear();
-  find_rows();
+  count_rows(entries_);
 }
 
 void BoxRows::build(std::span<const AuraBox> boxes) {
   clear();
   for (std::size_t i = 0; i < boxes.size(); ++i) insert(static_cast<Number>(i), boxes[i]);
-  entries_.swap(fresh_);
-  std::sort(entries_.begin(), entries_.end(), is_before);
-  find_rows();
+  count_rows(fresh_);
+  if (fresh_.empty()) return;
+  // Into their rows first: what is left to sort is short.
+  entries_.resize(fresh_.size());
+  next_.clear();
+  for (const Row& row : rows_) next_.push_back(row.begin);
+  for (const Entry& entry : fresh_)
+    entries_[next_[static_cast<std::size_t>(entry.row - first_row_)]++] = entry;
+  fresh_.clear();
+  for (std::size_t row = 0; row + 1 < rows_.size(); ++row)
+    std::sort(entries_.begin() + rows_[row].begin, entries_.begin() + next_[row], IsBefore{});
 }
 
-void BoxRows::find_rows() {
-  widest_m_ = deepest_m_ = 0;
-  begins_.clear();
-  if (entries_.empty()) return;
-  first_row_ = entries_.front().row;
-  for (std::uint32_t i = 0; i < entries_.size(); ++i) {
-    const Entry& entry = entries_[i];
-    widest_m_ = std::max(widest_m_, entry.box.high[0] - entry.box.low[0]);
-    deepest_m_ = std::max(deepest_m_, entry.box.high[2] - entry.box.low[2]);
-    begins_.resize(static_cast<std::size_t>(entry.row - first_row_ + 1), i);
+void BoxRows::count_rows(std::span<const Entry> entries) {
+  deepest_m_ = 0;
+  rows_.clear();
+  if (entries.empty()) return;
+  std::int32_t last_row = first_row_ = entries.front().row;
+  for (const Entry& entry : entries) {
+    first_row_ = std::min(first_row_, entry.row);
+    last_row = std::max(last_row, entry.row);
   }
-  begins_.push_back(static_cast<std::uint32_t>(entries_.size()));
+  rows_.resize(static_cast<std::size_t>(last_row - first_row_) + 2);
+  for (const Entry& entry : entries) {
+    const RoughBox& box = entry.box;
+    deepest_m_ = std::max(deepest_m_, box.high[2] - box.low[2]);
+    const auto number = static_cast<std::size_t>(entry.row - first_row_);
+    Row& row = rows_[number];
+    row.widest_m = std::max(row.widest_m, box.high[0] - box.low[0]);
+    row.low_x = std::min(row.low_x, box.low[0]);
+    row.high_x = std::max(row.high_x, box.high[0]);
+    row.high_z = std::max(row.high_z, box.high[2]);
+    ++rows_[number + 1].begin;
+  }
+  for (std::size_t row = 1; row < rows_.size(); ++row) rows_[row].begin += rows_[row - 1].begin;
 }
 
 }  // namespace aureole

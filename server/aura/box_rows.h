@@ -42,7 +42,7 @@ class BoxRows {
   /// Appends the numbers of all boxes that overlap `box`, and perhaps of some that miss it by a
   /// millionth part, each once, in an order that depends on the boxes and their numbers only.
   void find(const AuraBox& box, std::vector<Number>& found) const {
-    find_each(box, [&](const Hit& hit) { found.push_back(hit.number); });
+    find_each(RoughBox::around(box), [&](const Hit& hit) { found.push_back(hit.number); });
   }
   /// One that is found. In their order by place the hits of two lists are those of one that holds
   /// the boxes of both.
@@ -53,8 +53,7 @@ class BoxRows {
   };
   /// The same, as `found(hit)`.
   template <class Found>
-  void find_each(const AuraBox& box, Found&& found) const {
-    const RoughBox asked = RoughBox::around(box);
+  void find_each(const RoughBox& asked, Found&& found) const {
     for_each_row(asked, [&](const Entry& entry, std::int32_t row) {
       if (entry.box.meets(asked)) found(Hit{entry.number, {row, entry.box.low[0]}, entry.box});
     });
@@ -66,26 +65,29 @@ class BoxRows {
     Number number;
     RoughBox box;
   };
-  static bool is_before(const Entry& a, const Entry& b) {
-    if (a.row != b.row) return a.row < b.row;
-    if (a.box.low[0] != b.box.low[0]) return a.box.low[0] < b.box.low[0];
-    return a.number < b.number;
-  }
-  void find_rows();
+  struct IsBefore {
+    bool operator()(const Entry& a, const Entry& b) const {
+      if (a.row != b.row) return a.row < b.row;
+      if (a.box.low[0] != b.box.low[0]) return a.box.low[0] < b.box.low[0];
+      return a.number < b.number;
+    }
+  };
+  void count_rows(std::span<const Entry> entries);
   static std::int32_t row_of(float z);
   /// Calls `look(entry, row)` for all that may overlap, row by row, and then for those kept apart.
   template <class Look>
   void for_each_row(const RoughBox& asked, Look&& look) const {
-    const auto rows = static_cast<std::int32_t>(begins_.size()) - 1;
+    const auto rows = static_cast<std::int32_t>(rows_.size()) - 1;
     const std::int32_t first = std::max(row_of(asked.low[2] - deepest_m_) - first_row_, 0);
     const std::int32_t last = std::min(row_of(asked.high[2]) - first_row_, rows - 1);
-    const float from_x = asked.low[0] - widest_m_;
-    for (std::int32_t row = first; row <= last; ++row) {
-      const auto place = static_cast<std::size_t>(row);
-      auto at = entries_.begin() + begins_[place];
-      const auto end = entries_.begin() + begins_[place + 1];
+    for (std::int32_t number = first; number <= last; ++number) {
+      const Row& row = rows_[static_cast<std::size_t>(number)];
+      if (row.low_x > asked.high[0] || row.high_x < asked.low[0] || row.high_z < asked.low[2])
+        continue;
+      auto at = entries_.begin() + row.begin;
+      const auto end = entries_.begin() + rows_[static_cast<std::size_t>(number) + 1].begin;
       if (end - at > long_row)
-        at = std::lower_bound(at, end, from_x,
+        at = std::lower_bound(at, end, asked.low[0] - row.widest_m,
                               [](const Entry& entry, float x) { return entry.box.low[0] < x; });
       for (; at != end && at->box.low[0] <= asked.high[0]; ++at) look(*at, at->row);
     }
@@ -96,9 +98,17 @@ class BoxRows {
   std::vector<Entry> fresh_;    ///< Since settle().
   std::vector<Entry> large_;    ///< Kept apart.
   bool erased_ = false;         ///< Some of `entries_` are.
-  float widest_m_ = 0, deepest_m_ = 0;
+  struct Row {
+    static constexpr float nowhere = std::numeric_limits<float>::infinity();
+    std::uint32_t begin = 0;
+    float widest_m = 0;  ///< Of its boxes.
+    /// Around its boxes; nothing overlaps an empty one.
+    float low_x = nowhere, high_x = -nowhere, high_z = -nowhere;
+  };
+  float deepest_m_ = 0;
   std::int32_t first_row_ = 0;
-  std::vector<std::uint32_t> begins_;  ///< Of each row from the first on, and where the last ends.
+  std::vector<Row> rows_;  ///< From the first one on; one more begins where the last ends.
+  std::vector<std::uint32_t> next_;  ///< Only used within build().
 };
 
 }  // namespace aureole

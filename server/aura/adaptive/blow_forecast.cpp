@@ -55,10 +55,21 @@ void BlowForecast::strike(std::uint32_t number, const Blow& blow, double restitu
   front_.push_back(number);
 }
 
+/// Whether the body's aura overlaps one of another server's.
+bool BlowForecast::meets_others(std::uint32_t number, const BoxRows& remote_rows) {
+  found_.clear();
+  remote_rows.find(stage_->box(number), found_);
+  return std::any_of(found_.begin(), found_.end(), [&](std::uint32_t other) {
+    return overlap(remote_[other].room, stage_->aura(number));
+  });
+}
+
 void BlowForecast::compute(const MigrationSituation& s, Stage& stage,
-                           std::span<const double> moving_mps, Forecast& forecast) {
+                           std::span<const double> moving_mps, const BoxRows& remote_rows,
+                           Forecast& forecast) {
   forecast_ = &forecast;
   stage_ = &stage;
+  remote_ = s.remote;
   forecast.clear();
   front_.clear();
   const auto count = static_cast<std::uint32_t>(moving_mps.size());
@@ -69,6 +80,7 @@ void BlowForecast::compute(const MigrationSituation& s, Stage& stage,
   };
   for (std::uint32_t i = 0; i < count; ++i) {
     if (moving_mps[i] < 0) continue;
+    if (meets_others(i, remote_rows)) disturb(i, moving_mps[i], 0);
     const HostedBody& striking = stage.body(i);
     found_.clear();
     stage.find(stage.box(i), found_);
@@ -88,14 +100,13 @@ void BlowForecast::compute(const MigrationSituation& s, Stage& stage,
     }
   }
   for (const RemoteAura& aura : s.remote) {
+    if (aura.resting) continue;
     found_.clear();
     stage.find(aura.room.box(), found_);
     for (const std::uint32_t other : found_) {
       if (!overlap(aura.room, stage.aura(other))) continue;
-      if (own_mps(other) > 0) disturb(other, own_mps(other), 0);
-      if (!aura.resting)
-        strike(other, {aura.mass_kg * (aura.speed_mps + own_mps(other)), aura.mass_kg},
-               stage.body(other).restitution);
+      strike(other, {aura.mass_kg * (aura.speed_mps + own_mps(other)), aura.mass_kg},
+             stage.body(other).restitution);
     }
   }
   if (s.contacts != nullptr) pass_on();

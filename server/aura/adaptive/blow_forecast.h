@@ -83,19 +83,21 @@ class BlowForecast {
   explicit BlowForecast(double reach_s) : reach_s_(reach_s) {}
 
   /// `moving_mps`: each one's own speed, negative for one that rests, of the first on the stage;
-  /// the others rest.
+  /// the others rest. `remote_rows`: boxes around all of `MigrationSituation::remote`.
   void compute(const MigrationSituation& situation, Stage& stage,
-               std::span<const double> moving_mps, Forecast& forecast);
+               std::span<const double> moving_mps, const BoxRows& remote_rows, Forecast& forecast);
 
  private:
   void strike(std::uint32_t struck, const Blow& blow, double restitution);
   void disturb(std::uint32_t number, double speed_mps, double after_s);
+  bool meets_others(std::uint32_t number, const BoxRows& remote_rows);
   void pass_on();
   void look_around(std::uint32_t from, double flight_m);
 
   double reach_s_;
   Forecast* forecast_ = nullptr;  ///< Within compute().
   Stage* stage_ = nullptr;
+  std::span<const RemoteAura> remote_;
   std::vector<std::uint32_t> front_;  ///< Bodies whose blow has not been passed on yet.
   std::vector<std::uint32_t> found_;
   std::vector<std::uint32_t> touched_, near_;  ///< Of the body in work.

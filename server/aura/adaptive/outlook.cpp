@@ -31,7 +31,8 @@ AuraCapsule Outlook::own_aura(const HostedBody& body, double duration_s) const {
 AuraCapsule Outlook::struck(std::uint32_t number) const {
   const HostedBody& body = stage_.body(number);
   const AuraCapsule along =
-      struck_aura(body, own_aura(body, reach_s_), forecast_.way(number), reach_s_);
+      struck_aura(body, number < own_auras_.size() ? own_auras_[number] : resting_aura(body),
+                  forecast_.way(number), reach_s_);
   const double sudden = sudden_mps(body);
   const double alone_s =
       sudden > 0 ? 0.0 : std::clamp(forecast_.left_alone_s(number), 0.0, reach_s_);
@@ -45,11 +46,12 @@ AuraCapsule Outlook::struck(std::uint32_t number) const {
 void Outlook::look(const MigrationSituation& s) {
   stage_.begin(s);
   moving_mps_.clear();
+  own_auras_.clear();
   for (const HostedBody& body : s.hosted) {
     // What has just stopped may start again: it counts as moving, if only a little.
     moving_mps_.push_back(lies_still(body) ? -1.0
                                            : std::max(body.motion_speed_mps, still_speed_mps));
-    AuraCapsule aura = own_aura(body, reach_s_);
+    AuraCapsule aura = own_auras_.emplace_back(own_aura(body, reach_s_));
     // A deed starts at once, and in any direction; so does what geometry turns.
     if (const double sudden = sudden_mps(body); sudden > 0)
       aura = struck_aura(body, aura, sudden * reach_s_, reach_s_);
@@ -57,7 +59,8 @@ void Outlook::look(const MigrationSituation& s) {
   }
   stage_.sort_boxes();
   stage_.add_sleepers_beyond();
-  blows_.compute(s, stage_, moving_mps_, forecast_);
+  look_at_others(s.remote);
+  blows_.compute(s, stage_, moving_mps_, remote_rows_, forecast_);
   bool grown = false;
   for (std::uint32_t i = 0; i < forecast_.size(); ++i) {
     const HostedBody& body = stage_.body(i);
@@ -66,10 +69,12 @@ void Outlook::look(const MigrationSituation& s) {
     grown = true;
   }
   if (grown) stage_.sort_boxes();
+}
+
+void Outlook::look_at_others(std::span<const RemoteAura> remote) {
   remote_boxes_.clear();
-  for (const RemoteAura& aura : s.remote) {
-    remote_boxes_.push_back(aura.room.box());
-    const AuraBox& box = remote_boxes_.back();
+  for (const RemoteAura& aura : remote) {
+    const AuraBox& box = remote_boxes_.emplace_back(aura.room.box());
     around_others_ = remote_boxes_.size() == 1 ? box : joined(around_others_, box);
   }
   remote_rows_.build(remote_boxes_);

@@ -50,7 +50,8 @@ class Outlook {
   /// be hosted with it. The body itself may be among them.
   void find_company(std::uint32_t number, double clearance_m, std::vector<std::uint32_t>& found);
 
-  /// Boxes around all auras of others.
+  /// Boxes around all auras of others, by index.
+  std::span<const AuraBox> remote_boxes() const { return remote_boxes_; }
   const BoxRows& remote_rows() const { return remote_rows_; }
   /// Whether a box is anywhere near an aura of others.
   bool near_others(const AuraBox& box) const {
@@ -60,9 +61,11 @@ class Outlook {
  private:
   AuraCapsule own_aura(const HostedBody& body, double duration_s) const;
   AuraCapsule struck(std::uint32_t number) const;
+  void look_at_others(std::span<const RemoteAura> remote);
 
   double reach_s_;
   Stage stage_;
+  std::vector<AuraCapsule> own_auras_;  ///< Of each of `hosted`, if it is left alone.
   std::vector<AuraBox> remote_boxes_;
   std::vector<double> moving_mps_;  ///< Of each of `hosted` by itself; negative: it lies still.
   BoxRows remote_rows_;

@@ -63,12 +63,13 @@ void Stage::sort_boxes() {
   sorted_ = size();
 }
 
-void Stage::find(AuraBox box, std::vector<std::uint32_t>& found) {
+void Stage::find(const AuraBox& box, std::vector<std::uint32_t>& found) {
+  const RoughBox asked = RoughBox::around(box);  // A copy: the box may be of somebody on the stage.
   hits_.clear();
-  if (situation_->sleepers != nullptr) find_sleepers(box);
+  if (situation_->sleepers != nullptr) find_sleepers(asked);
   // What comes of a look must not depend on who sleeps where.
   auto sleeper = hits_.begin();
-  rows_.find_each(box, [&](const BoxRows::Hit& hit) {
+  rows_.find_each(asked, [&](const BoxRows::Hit& hit) {
     for (; sleeper != hits_.end() && sleeper->place < hit.place; ++sleeper)
       found.push_back(admit(sleeper->sleeper));
     found.push_back(hit.number);
@@ -77,13 +78,13 @@ void Stage::find(AuraBox box, std::vector<std::uint32_t>& found) {
 }
 
 /// Those that the decision is shown and that the sorted boxes do not hold.
-void Stage::find_sleepers(const AuraBox& box) {
+void Stage::find_sleepers(const RoughBox& asked) {
   const View* view = situation_->view;
   const auto is_shown = [&](const RoughBox& sleeper) {
     return view == nullptr || view->holds((sleeper.low[0] + sleeper.high[0]) / 2,
                                           (sleeper.low[2] + sleeper.high[2]) / 2);
   };
-  situation_->sleepers->rows().find_each(box, [&](const BoxRows::Hit& hit) {
+  situation_->sleepers->rows().find_each(asked, [&](const BoxRows::Hit& hit) {
     const std::uint32_t number = number_at(hit.number);
     if ((number == none || number >= sorted_) && is_shown(hit.box))
       hits_.push_back({hit.number, hit.place});

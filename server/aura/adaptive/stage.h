@@ -39,7 +39,7 @@ class Stage {
   void sort_boxes();
   /// Appends the numbers of all whose boxes overlap `box`, each once; sleepers that are found come
   /// on the stage.
-  void find(AuraBox box, std::vector<std::uint32_t>& found);
+  void find(const AuraBox& box, std::vector<std::uint32_t>& found);
   /// A sleeper that is found comes on the stage.
   std::optional<std::uint32_t> number_of(BodyId id);
   /// Replaces `found` by all that share a contact with the body, but for those awake that the
@@ -52,7 +52,7 @@ class Stage {
 
  private:
   static constexpr std::uint32_t none = static_cast<std::uint32_t>(-1);
-  void find_sleepers(const AuraBox& box);
+  void find_sleepers(const RoughBox& asked);
   std::uint32_t admit(Sleepers::Place place);
   std::uint32_t& number_at(Sleepers::Place place);
   void note_slots();
