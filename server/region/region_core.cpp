@@ -59,12 +59,19 @@ void RegionCore::peer_up(PeerId id, Incarnation incarnation) {
   peer.asked_round = 0;
   if (recovery_) recovery_->peer_up(id, incarnation);
   if (id.is_region()) {
+    note_neighbour_is_back(id.as_region());
     peer.journal.link_up(incarnation);
     aura_exchange_.link_up(id.as_region());
     tolerances_.link_up(id.as_region());
   } else {
     peer.wants_whole_state = true;
   }
+}
+
+void RegionCore::note_neighbour_is_back(RegionId region) {
+  const auto& neighbours = map_.neighbours(self_);
+  if (std::binary_search(neighbours.begin(), neighbours.end(), region))
+    players_.hold_all(last_tick_);
 }
 
 void RegionCore::peer_down(PeerId id) {

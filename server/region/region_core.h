@@ -195,6 +195,7 @@ class RegionCore {
   bool has_room(std::size_t more) const;
   bool is_up(RegionId region) const;
   bool waits_for_auras(RegionId region, const Peer& peer, Tick now) const;
+  void note_neighbour_is_back(RegionId region);
   std::vector<RegionId> closed_regions() const;
   SharedBytes status_frame(Tick now, const ShellMeasurements& measured) const;
   SharedBytes acknowledgement(Peer& peer);

@@ -23,7 +23,8 @@ Players::Players(const WorldDefinition& world, const PartitionMap& map, RegionId
       half_height_(avatar_half_height(world.prototypes[world.avatar.value].body)),
       // What players do is sudden: it takes effect ahead, at the same tick on all servers.
       blast_lead_ticks_(blast_lead_ticks(world.tolerances)),
-      wind_up_ticks_(std::llround(reach_time_s(world.tolerances) / tick_s)) {}
+      wind_up_ticks_(std::llround(reach_time_s(world.tolerances) / tick_s)),
+      hold_ticks_(round_trip_ticks(world.tolerances) + wind_up_ticks_) {}
 
 WorldPosition Players::eye(const Avatar& avatar) const {
   WorldPosition position = hosting_.physics().position(avatar.body());
@@ -111,7 +112,7 @@ void Players::apply_waiting(PlayerId player, Tick now, bool room, PlayerOutput& 
     const auto it = avatars_.find(player);
     if (it == avatars_.end()) return;  // It left.
     Avatar& avatar = it->second;
-    if (now < avatar.held_until) return;
+    if (now < std::max(avatar.held_until, held_until_)) return;
     const auto next = avatar.waiting.find(avatar.applied_sequence + 1);
     if (next == avatar.waiting.end()) return;
     const PlayerCommand command = next->second;

@@ -2,6 +2,7 @@
 // deeds.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <span>
@@ -41,6 +42,9 @@ class Players {
   /// boundary, within its reach.
   bool in_play(const Avatar& avatar, Tick now) const;
   void note_company(PlayerId player, bool company);
+  /// A neighbour simulates again, or we do: neither has heard of what the other one has near to our
+  /// avatars. What players do waits until both have, and what they may strike has come.
+  void hold_all(Tick now) { held_until_ = std::max(held_until_, now + hold_ticks_); }
   static constexpr std::int64_t idle_ticks = ticks_from_ms(2'000);
 
   /// A gateway's link is gone: its players are, until they come back by some gateway.
@@ -87,7 +91,8 @@ class Players {
   AvatarTuning tuning_;
   float half_height_;
   std::int64_t blast_lead_ticks_;
-  std::int64_t wind_up_ticks_;
+  std::int64_t wind_up_ticks_, hold_ticks_;
+  Tick held_until_;  ///< See hold_all().
   std::map<PlayerId, Avatar> avatars_;
   struct Moved {
     RegionId to;

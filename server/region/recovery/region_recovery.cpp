@@ -101,7 +101,10 @@ Status RegionCore::receive_recovery(PeerId from, Peer& peer, const Frame& frame)
       decode_recovery_answer(frame.payload, map_.size(), hosting_.definitions().size());
   if (!answer) return answer.error();
   // Round 0 says that its sender simulates again.
-  if (from.is_region() && answer->round == 0) peer.recovering = false;
+  if (from.is_region() && answer->round == 0) {
+    peer.recovering = false;
+    note_neighbour_is_back(from.as_region());
+  }
   return Ok{};
 }
 
@@ -227,6 +230,7 @@ void RegionCore::end_recovery(Tick now) {
   for (BodyId id : outcome.known)
     if (id.kind() == BodyId::Kind::injected) made_before_.insert(id);
   started_ = true;
+  players_.hold_all(now);
   last_snapshot_ = now - snapshot_interval_ticks;
 
   // To all: those who hold their bodies back, and those who recover and wait for us.
