@@ -437,4 +437,12 @@ MUTATIONS = [
         "flight_ticks_",
         ((REGION, "servers that are far apart do not miss the words that they do not say"),),
     ),
+    Mutation(
+        "throws-at-strangers",
+        "what players do does not wait when a neighbour is back",
+        "server/region/players/players.cpp",
+        "    if (now < std::max(avatar.held_until, held_until_)) return;",
+        "    if (now < avatar.held_until) return;",
+        ((REGION, "what is thrown when a neighbour is back strikes what that one has beyond the*"),),
+    ),
 ]

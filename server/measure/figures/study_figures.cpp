@@ -204,9 +204,9 @@ void add_tolerances_figure(const StudyRuns& runs, std::vector<Figure>& figures,
 void add_weak_figure(const StudyRuns& runs, std::vector<Figure>& figures,
                      std::vector<std::string>& notes) {
   if (runs.runs.empty()) return;
-  Curve median{{}, colour::blue, Dash::solid, PointMark::circle, "median", 2},
-      worst{{}, colour::sky, Dash::solid, PointMark::triangle, "busiest", 2},
-      shared{{}, colour::grey, Dash::dashed, PointMark::circle, "median, shared caches", 2},
+  Curve median{{}, colour::blue, Dash::solid, PointMark::circle, "", 2},
+      worst{{}, colour::sky, Dash::solid, PointMark::triangle, "", 2},
+      shared{{}, colour::grey, Dash::dashed, PointMark::circle, "", 2},
       bytes{{}, colour::green, Dash::solid, PointMark::circle, "", 2};
   for (const FinishedRun* run : runs.runs) {
     const double servers = run->plan.servers;
@@ -225,7 +225,7 @@ void add_weak_figure(const StudyRuns& runs, std::vector<Figure>& figures,
     note(bytes, "bytes of its links", sent ? std::optional(*sent / 1e3) : std::nullopt);
   }
   Sheet sheet;
-  sheet.height = 400;
+  sheet.height = 430;
   sheet.title = "Weak scaling: bodies grow with servers";
   sheet.subtitle = runs.setting;
   Scale x{"servers (logarithmic)", 3, 110, true, {}, true};
@@ -238,7 +238,7 @@ void add_weak_figure(const StudyRuns& runs, std::vector<Figure>& figures,
   };
   Panel frames{
       74,
-      104,
+      134,
       360,
       236,
       "a server's mean frame in the last 10 s",
@@ -250,15 +250,21 @@ void add_weak_figure(const StudyRuns& runs, std::vector<Figure>& figures,
   if (!median.points.empty()) {
     const double goal = median.points.front().second;
     frames.bars = {{x.from, x.to, goal * 0.9, goal * 1.1, "#dce9f3"}};
-    sheet.subtitle += "; band: within 10 % of the median on the fewest servers";
+    sheet.legend.push_back({"within 10 % of the first", "#dce9f3", Dash::solid, true});
   }
   frames.curves = {worst, median};
+  const auto explain = [&](const Curve& curve, const char* label) {
+    sheet.legend.push_back({label, curve.colour, curve.dash, false, curve.mark});
+  };
+  explain(worst, "busiest server");
+  explain(median, "median server");
   if (!shared.points.empty()) {
-    sheet.subtitle += "; caches cold but where said, the 10 s before";
+    sheet.subtitle += "; caches are cold, but in the 10 s before they are shared";
+    explain(shared, "median in the 10 s before");
     frames.curves.push_back(shared);
   }
   Panel wire{514,
-             104,
+             134,
              360,
              236,
              "what a server sends, to servers and gateway",

@@ -249,7 +249,7 @@ void Players::remove_avatar(PlayerId player, PlayerOutput& out) {
 void Players::drive(Tick now, bool room, PlayerOutput& out) {
   std::vector<PlayerId> held, gone;
   for (const auto& [player, avatar] : avatars_)
-    if (avatar.held_until == now && !avatar.waiting.empty()) held.push_back(player);
+    if (!avatar.waiting.empty()) held.push_back(player);
   for (PlayerId player : held) apply_waiting(player, now, room, out);
   for (auto& [player, avatar] : avatars_) {
     if (!avatar.connected) {

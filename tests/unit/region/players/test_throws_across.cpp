@@ -38,13 +38,14 @@ struct Outcome {
 
 constexpr int long_idle_ticks = static_cast<int>(Players::idle_ticks) + 400;
 
-/// The player does nothing for so long, and then throws.
-Outcome throw_after(const Scene& scene, int delay, int idle_ticks) {
+/// The player joins, throws after what `meanwhile` does with the cluster, and is watched.
+template <class Meanwhile>
+Outcome throw_after(const Scene& scene, int delay, Meanwhile&& meanwhile) {
   RegionCluster cluster(scene.world, delay);
   ActingPlayer player(cluster, me, east);
   const BodyId upper = BodyId::world(1), thrown = BodyId::thrown(me, 0);
   player.act(Kind::join, 0);
-  cluster.step(idle_ticks);
+  meanwhile(cluster);
   Outcome out;
   out.was_cut = cluster.owner(upper) != cluster.owner(BodyId::avatar(me));
   player.act(Kind::throw_body);
@@ -65,13 +66,18 @@ Outcome throw_after(const Scene& scene, int delay, int idle_ticks) {
   return out;
 }
 
+/// The player does nothing for so long, and then throws.
+Outcome throw_after_ticks(const Scene& scene, int delay, int idle_ticks) {
+  return throw_after(scene, delay, [&](RegionCluster& cluster) { cluster.step(idle_ticks); });
+}
+
 void compare_idle_throw(double face_m) {
-  const Outcome one = throw_after(Scene(1, face_m), 0, long_idle_ticks);
+  const Outcome one = throw_after_ticks(Scene(1, face_m), 0, long_idle_ticks);
   REQUIRE(one.fastest_mps > 3);
   CHECK(one.ticks_until_thrown == 0);
   for (const int delay : {0, 1})
     for (const int phase : {0, 3, 6}) {  // Servers that sleep decide at times only.
-      const Outcome two = throw_after(Scene(2, face_m), delay, long_idle_ticks + phase);
+      const Outcome two = throw_after_ticks(Scene(2, face_m), delay, long_idle_ticks + phase);
       INFO("face at " << face_m << " m, delay " << delay << ", phase " << phase);
       REQUIRE(two.was_cut);
       CHECK(two.fastest_mps == Approx(one.fastest_mps).epsilon(0.05));
@@ -91,9 +97,9 @@ TEST_CASE("what an idle player throws across a boundary strikes as on one server
 
 TEST_CASE("what a player in play throws across a boundary strikes as on one server, and at once") {
   for (const double face_m : {12.2, 15.0}) {
-    const Outcome one = throw_after(Scene(1, face_m), 0, 40);
+    const Outcome one = throw_after_ticks(Scene(1, face_m), 0, 40);
     for (const int delay : {0, 1}) {
-      const Outcome two = throw_after(Scene(2, face_m), delay, 40);
+      const Outcome two = throw_after_ticks(Scene(2, face_m), delay, 40);
       INFO("face at " << face_m << " m, delay " << delay);
       CHECK(two.fastest_mps == Approx(one.fastest_mps).epsilon(0.05));
       CHECK(two.overlaps == 0);
@@ -106,5 +112,25 @@ TEST_CASE("what a player in play throws across a boundary strikes as on one serv
 TEST_CASE("an idle player from where nothing thrown soon leaves the region throws at once") {
   Scene scene(2, 40);
   scene.world.spawn_points[0].position.x -= 8;
-  CHECK(throw_after(scene, 1, long_idle_ticks).ticks_until_thrown == 0);
+  CHECK(throw_after_ticks(scene, 1, long_idle_ticks).ticks_until_thrown == 0);
+}
+
+TEST_CASE("what is thrown when a neighbour is back strikes what that one has beyond the boundary") {
+  const Outcome one = throw_after_ticks(Scene(1, 12.2), 0, 40);
+  for (const int delay : {0, 1})
+    for (const int ticks_since : {0, 1, 2, 3, 5, 8}) {
+      const Outcome two = throw_after(Scene(2, 12.2), delay, [&](RegionCluster& cluster) {
+        cluster.step(40);
+        cluster.cut_link(0, 1);
+        cluster.step(20);
+        cluster.reset_link(0, 1);
+        cluster.step(ticks_since);
+      });
+      INFO("delay " << delay << ", " << ticks_since << " ticks after the link was back");
+      CHECK(two.fastest_mps == Approx(one.fastest_mps).epsilon(0.05));
+      CHECK(two.overlaps == 0);
+      CHECK(two.struck == 0);
+      // A round trip and the reach time; it may change its server then.
+      CHECK(two.ticks_until_thrown + ticks_since <= 14 + 2 + delay);
+    }
 }
