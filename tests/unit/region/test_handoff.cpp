@@ -319,7 +319,7 @@ TEST_CASE("more effects than fit one message are told in several that the other 
   leave.kind = PlayerCommand::Kind::leave;
   const Bytes payload = encode_commands(std::span(&leave, 1));
   REQUIRE(region.core->receive(PeerId::gateway(0), Frame{FrameType::commands, 0, payload}));
-  region.step();
+  region.step(20);  // What players do waits while neighbours have just met.
   std::size_t removals = 0;
   for (const auto& entry : region.core->journal(RegionId{1}).unacknowledged()) {
     const auto effects = decode_effects(entry.payload);

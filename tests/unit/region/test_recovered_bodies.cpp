@@ -67,7 +67,7 @@ TEST_CASE("a body that is thrown after the last snapshot comes back from the sto
   // The store has seen three commands applied: none is applied again, the fourth one is next.
   REQUIRE(cluster.store().player(player)->applied_sequence == 3);
   cluster.command(command);
-  cluster.step(2);
+  cluster.step(20);  // What players do waits until the neighbours have heard of each other.
   REQUIRE(cluster.bodies_in_world() == 4);
   command.sequence = 4;
   cluster.command(command);
