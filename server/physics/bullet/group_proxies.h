@@ -1,9 +1,9 @@
 // Who of a group stands at either side of a pair, for walks over all pairs.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include "server/physics/bullet/bullet_world.h"
@@ -11,27 +11,30 @@
 namespace aureole {
 
 /// Tells which sides of pairs are of a group whose bodies are marked. Pairs lie side by side in
-/// memory and bodies do not: a few are told by their proxies alone.
+/// memory and bodies do not: a Bloom filter of one hash tells nearly all that are not of the group
+/// by their addresses alone (Bloom, Space/Time Trade-offs in Hash Coding, 1970).
 class GroupProxies {
  public:
-  explicit GroupProxies(std::span<BulletBody* const> group) : few_(group.size() <= few_max) {
-    for (std::size_t i = 0; few_ && i < group.size(); ++i)
-      proxies_[count_++] = group[i]->rigid.getBroadphaseHandle();
+  explicit GroupProxies(std::span<BulletBody* const> group) {
+    for (const BulletBody* body : group) {
+      const std::size_t bit = bit_of(body->rigid.getBroadphaseHandle());
+      filter_[bit / 64] |= std::uint64_t{1} << bit % 64;
+    }
   }
   bool hold(const btBroadphaseProxy* proxy) const {
-    if (few_) return std::find(proxies_.begin(), end(), proxy) != end();
+    const std::size_t bit = bit_of(proxy);
+    if ((filter_[bit / 64] >> bit % 64 & 1) == 0) return false;
     const BulletBody* body = body_of(object_of(proxy));
     return body && body->marked;
   }
 
  private:
-  static constexpr std::size_t few_max = 8;
-  std::array<const btBroadphaseProxy*, few_max>::const_iterator end() const {
-    return proxies_.begin() + static_cast<std::ptrdiff_t>(count_);
+  static constexpr int bits_log2 = 12;
+  static std::size_t bit_of(const btBroadphaseProxy* proxy) {
+    const std::uint64_t address = reinterpret_cast<std::uintptr_t>(proxy);
+    return address * 0x9E37'79B9'7F4A'7C15 >> (64 - bits_log2);  // Knuth's multiplicative hash
   }
-  std::array<const btBroadphaseProxy*, few_max> proxies_{};
-  std::size_t count_ = 0;
-  bool few_;
+  std::array<std::uint64_t, (std::size_t{1} << bits_log2) / 64> filter_{};
 };
 
 }  // namespace aureole
