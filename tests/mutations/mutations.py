@@ -55,7 +55,8 @@ MUTATIONS = [
         "of two servers whose bodies meet each sends its own to the other",
         "server/aura/adaptive/contests.cpp",
         "      if (lowest < self) continue;  // It decides.\n",
-        "      verdict.to = lowest;\n      all.push_back(std::move(verdict));\n      continue;\n",
+        "      if (lowest < self) {\n        all.push_back(conclude(contest, lowest, crowded));\n"
+        "        continue;\n      }\n",
         ((AURA, "both servers of a pair look at the same overlap and exactly one moves its body"),
          (REGION, "two servers that see the same overlap do not swap their bodies for ever"),
          (REGION, "both servers see the same overlap at the same tick*")),

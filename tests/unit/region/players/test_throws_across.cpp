@@ -38,14 +38,13 @@ struct Outcome {
 
 constexpr int long_idle_ticks = static_cast<int>(Players::idle_ticks) + 400;
 
-/// The player joins, throws after what `meanwhile` does with the cluster, and is watched.
-template <class Meanwhile>
-Outcome throw_after(const Scene& scene, int delay, Meanwhile&& meanwhile) {
+/// The player throws after what `before`, in which it joins, does, and is watched.
+template <class Before>
+Outcome throw_after(const Scene& scene, int delay, Before&& before) {
   RegionCluster cluster(scene.world, delay);
   ActingPlayer player(cluster, me, east);
   const BodyId upper = BodyId::world(1), thrown = BodyId::thrown(me, 0);
-  player.act(Kind::join, 0);
-  meanwhile(cluster);
+  before(cluster, player);
   Outcome out;
   out.was_cut = cluster.owner(upper) != cluster.owner(BodyId::avatar(me));
   player.act(Kind::throw_body);
@@ -68,7 +67,10 @@ Outcome throw_after(const Scene& scene, int delay, Meanwhile&& meanwhile) {
 
 /// The player does nothing for so long, and then throws.
 Outcome throw_after_ticks(const Scene& scene, int delay, int idle_ticks) {
-  return throw_after(scene, delay, [&](RegionCluster& cluster) { cluster.step(idle_ticks); });
+  return throw_after(scene, delay, [&](RegionCluster& cluster, ActingPlayer& player) {
+    player.act(Kind::join, 0);
+    cluster.step(idle_ticks);
+  });
 }
 
 void compare_idle_throw(double face_m) {
@@ -116,21 +118,34 @@ TEST_CASE("an idle player from where nothing thrown soon leaves the region throw
 }
 
 TEST_CASE("what is thrown when a neighbour is back strikes what that one has beyond the boundary") {
-  const Outcome one = throw_after_ticks(Scene(1, 12.2), 0, 40);
-  for (const int delay : {0, 1})
-    for (const int ticks_since : {0, 1, 2, 3, 5, 8}) {
-      const Outcome two = throw_after(Scene(2, 12.2), delay, [&](RegionCluster& cluster) {
-        cluster.step(40);
-        cluster.cut_link(0, 1);
-        cluster.step(20);
-        cluster.reset_link(0, 1);
-        cluster.step(ticks_since);
-      });
-      INFO("delay " << delay << ", " << ticks_since << " ticks after the link was back");
-      CHECK(two.fastest_mps == Approx(one.fastest_mps).epsilon(0.05));
-      CHECK(two.overlaps == 0);
-      CHECK(two.struck == 0);
-      // A round trip and the reach time; it may change its server then.
-      CHECK(two.ticks_until_thrown + ticks_since <= 14 + 2 + delay);
-    }
+  for (const double face_m : {12.2, 12.9}) {
+    const auto scene = [&](int columns) {
+      Scene scene(columns, face_m);
+      scene.world.spawn_points[0].position.x += 0.9;  // It stands at x = 11.5.
+      return scene;
+    };
+    const Outcome one = throw_after_ticks(scene(1), 0, 40);
+    for (const int delay : {0, 1})
+      for (const int ticks_since : {0, 1, 2, 3, 5, 8}) {
+        // Who joins while the link is down knows nothing of what lies there.
+        const auto join_alone = [&](RegionCluster& cluster, ActingPlayer& player) {
+          cluster.step(10);
+          cluster.cut_link(0, 1);
+          player.act(Kind::join, 0);
+          cluster.step(40);
+          cluster.reset_link(0, 1);
+          cluster.step(ticks_since);
+          while (!cluster.owner(BodyId::avatar(me))) cluster.step();  // It may be on its way.
+        };
+        const Outcome two = throw_after(scene(2), delay, join_alone);
+        INFO("face at " << face_m << " m, delay " << delay << ", " << ticks_since
+                        << " ticks after the link was back");
+        CHECK((two.was_cut || ticks_since > 3));
+        CHECK(two.fastest_mps == Approx(one.fastest_mps).epsilon(0.05));
+        CHECK(two.overlaps == 0);
+        CHECK(two.struck == 0);
+        // A round trip and the reach time; it may change its server then.
+        CHECK(two.ticks_until_thrown + ticks_since <= 14 + 2 + delay);
+      }
+  }
 }
