@@ -337,7 +337,7 @@ MUTATIONS = [
         "server/aura/adaptive/contests.cpp",
         "  if (gave && (gave_lately || !asked)) return other;",
         "  if (gave) return other;",
-        ((AURA, "who has come to what is asked for keeps it there for a round trip, and no longer"),),
+        ((AURA, "nobody follows what went to a cluster whose neighbour is asked for*"),),
     ),
     Mutation(
         "no-farewell",

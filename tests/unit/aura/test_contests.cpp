@@ -197,6 +197,32 @@ TEST_CASE("who has come to what is asked for keeps it there for a round trip, an
   }
 }
 
+TEST_CASE("nobody follows what went to a cluster whose neighbour is asked for, after a round trip") {
+  for (const std::int64_t tick : {4, 6}) {
+    INFO("tick " << tick);
+    Scene scene;
+    const auto policy = make_adaptive_policy(AuraTolerances{});
+    scene.hosted = {awake_at(0, 9.9, 3)};
+    scene.remote = {aura(4, 1, false, 10.5, 3)};
+    REQUIRE(scene.decide(*policy, Tick{0}).leaving.size() == 1);
+    scene.hosted = {awake_at(1, 9.6, 3)};
+    scene.remote = {aura(2, 1, false, 10.1, 3)};
+    REQUIRE(scene.decide(*policy, Tick{2}).pulls.size() == 1);
+    // A row of ours reaches from what is asked for to what was given, whose cluster goes on to
+    // where it meets one more of ours.
+    for (const double z : {3.6, 4.2, 4.8, 5.4, 6.0})
+      scene.hosted.push_back(awake_at(static_cast<int>(10 * z), 9.6, z));
+    scene.hosted.push_back(awake_at(5, 9.6, 12));
+    scene.remote = {aura(0, 1, false, 10.1, 6), aura(2, 1, false, 10.1, 3),
+                    aura(6, 1, false, 10.1, 12)};
+    scene.remote[0].company.label = scene.remote[2].company.label = 8;
+    scene.remote[1].company.label = 7;
+    const auto leaving = scene.decide(*policy, Tick{tick}).leaving;
+    REQUIRE(leaving.empty() == (tick == 6));
+    if (tick == 4) REQUIRE(leaving[0].bodies == std::vector{name(5)});
+  }
+}
+
 TEST_CASE("what is sure to come is waited for, though something of ours went to the other side") {
   // What has gone there keeps no cluster there but its own.
   for (const bool joined : {false, true}) {
