@@ -201,12 +201,16 @@ Result<std::vector<RealTimeBucket>> run_in_real_time(
 }
 
 nlohmann::json compare_with_virtual_time(const std::vector<RealTimeBucket>& real,
-                                         const nlohmann::json& report) {
+                                         const nlohmann::json& report, const nlohmann::json& cold) {
   nlohmann::json buckets = nlohmann::json::array();
-  for (std::size_t b = 0; b < real.size() && b < report["buckets"].size(); ++b) {
+  const std::size_t count =
+      std::min({real.size(), report["buckets"].size(), cold["buckets"].size()});
+  for (std::size_t b = 0; b < count; ++b) {
     const nlohmann::json& in_virtual_time = report["buckets"][b];
+    const nlohmann::json& with_cold_caches = cold["buckets"][b];
     const double worst_ms = *std::max_element(real[b].server_ms.begin(), real[b].server_ms.end());
     const double virtual_ms = in_virtual_time["worst_server_ms"].get<double>();
+    const double cold_ms = with_cold_caches["worst_server_ms"].get<double>();
     buckets.push_back({{"t_end_s", real[b].t_end_s},
                        {"worst_server_ms", worst_ms},
                        {"server_ms", real[b].server_ms},
@@ -217,7 +221,10 @@ nlohmann::json compare_with_virtual_time(const std::vector<RealTimeBucket>& real
                        {"virtual_worst_server_ms", virtual_ms},
                        {"virtual_server_ms", in_virtual_time["server_ms"]},
                        {"virtual_bodies", in_virtual_time["bodies"]},
-                       {"ratio", worst_ms / virtual_ms}});
+                       {"cold_worst_server_ms", cold_ms},
+                       {"cold_server_ms", with_cold_caches["server_ms"]},
+                       {"ratio", worst_ms / virtual_ms},
+                       {"ratio_cold", worst_ms / cold_ms}});
   }
   return {{"experiment", report["experiment"]}, {"buckets", std::move(buckets)}};
 }

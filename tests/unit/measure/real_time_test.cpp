@@ -30,20 +30,28 @@ TEST_CASE("a process that is not there has no time") {
         "/proc/0/task/0/schedstat does not say how long the process has run");
 }
 
-TEST_CASE("buckets of both kinds of time stand side by side") {
+TEST_CASE("buckets of both kinds of time stand side by side, warm caches and cold") {
   const nlohmann::json report = {
       {"experiment", {{"servers", 2}}},
       {"buckets",
        {{{"worst_server_ms", 4.0}, {"server_ms", {4.0, 3.0}}, {"bodies", {10, 9}}},
         {{"worst_server_ms", 5.0}, {"server_ms", {4.0, 5.0}}, {"bodies", {20, 19}}}}}};
+  const nlohmann::json cold = {{"buckets",
+                                {{{"worst_server_ms", 5.0}, {"server_ms", {5.0, 4.5}}},
+                                 {{"worst_server_ms", 8.0}, {"server_ms", {8.0, 6.0}}}}}};
   const nlohmann::json both = compare_with_virtual_time(
-      {{5, {3.0, 5.0}, {11, 8}, {0, 2}, 9, 0}, {10, {6.0, 2.0}, {20, 19}, {0, 0}, 9, 1}}, report);
+      {{5, {3.0, 5.0}, {11, 8}, {0, 2}, 9, 0}, {10, {6.0, 2.0}, {20, 19}, {0, 0}, 9, 1}}, report,
+      cold);
   REQUIRE(both["buckets"].size() == 2);
   CHECK(both["buckets"][0]["worst_server_ms"] == 5);
   CHECK(both["buckets"][0]["skipped_ticks"] == nlohmann::json({0, 2}));
   CHECK(both["buckets"][0]["ratio"] == 1.25);
   CHECK(both["buckets"][1]["virtual_server_ms"] == nlohmann::json({4.0, 5.0}));
   CHECK(both["buckets"][1]["ratio"] == 1.2);
+  CHECK(both["buckets"][0]["ratio_cold"] == 1);
+  CHECK(both["buckets"][1]["ratio_cold"] == 0.75);
+  CHECK(both["buckets"][1]["cold_worst_server_ms"] == 8);
+  CHECK(both["buckets"][0]["cold_server_ms"] == nlohmann::json({5.0, 4.5}));
   CHECK(both["experiment"]["servers"] == 2);
 }
 
