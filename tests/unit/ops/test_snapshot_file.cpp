@@ -117,6 +117,9 @@ TEST_CASE("a folder that cannot be made is told by its name") {
 TEST_CASE("whenever a writer is killed, a whole state is left behind") {
   const auto place = folder();
   for (int n = 0; n < 20; ++n) {
+    // A busy machine may start the child late: it says when there is a state to leave behind.
+    int written[2] = {-1, -1};
+    REQUIRE(pipe(written) == 0);
     const pid_t child = fork();
     if (child == 0) {
       auto file = SnapshotFile::open(place->path(), owner);
@@ -124,12 +127,18 @@ TEST_CASE("whenever a writer is killed, a whole state is left behind") {
       for (int i = 0;; ++i) {
         const char c = static_cast<char>('a' + i % 26);
         static_cast<void>((*file)->write(bytes(c, 200'000), Incarnation{1}, Tick{c}));
+        if (i == 0 && write(written[1], &c, 1) != 1) _exit(1);
       }
     }
-    usleep(static_cast<useconds_t>(5000 + 700 * n));
+    close(written[1]);
+    char first = 0;
+    const bool has_written = read(written[0], &first, 1) == 1;
+    close(written[0]);
+    usleep(static_cast<useconds_t>(700 * n));
     kill(child, SIGKILL);
     int status = 0;
     waitpid(child, &status, 0);
+    REQUIRE(has_written);
     REQUIRE(WIFSIGNALED(status));
     const auto found = open(place->path())->newest();
     REQUIRE(found);
