@@ -40,7 +40,7 @@ void print_report(const nlohmann::json& report) {
       "in\nvirtual time without them, where every frame finds the caches as the frame before left "
       "them\n(warm), or cold, as a server does that has slept until its next tick.\n"
       "{:>5} {:>8} {:>8} {:>7} {:>8} {:>7} {:>9} {:>7}   {}\n",
-      "t, s", "real", "warm", "ratio", "cold", "ratio", "longest", "skipped",
+      "t, s", "real", "warm", "/ warm", "cold", "/ cold", "longest", "skipped",
       "servers in real time | in virtual time, cold");
   for (const auto& row : report["buckets"])
     fmt::print("{:>5.0f} {:>8.2f} {:>8.2f} {:>7.2f} {:>8.2f} {:>7.2f} {:>9.2f} {:>7}  {} |{}\n",

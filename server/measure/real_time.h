@@ -47,7 +47,7 @@ Result<std::vector<RealTimeBucket>> run_in_real_time(
 
 /// `buckets` of all three, side by side. `report`: that of the run in virtual time; `cold`: that of
 /// the same run with cold caches throughout. A server that steps every 16 ms sleeps most of the
-/// time and finds its caches used by others, so that real time lies nearer to `cold`.
+/// time while it has little to do, and finds its caches used by others: `cold` is fairer then.
 nlohmann::json compare_with_virtual_time(const std::vector<RealTimeBucket>& real,
                                          const nlohmann::json& report, const nlohmann::json& cold);
 
