@@ -12,6 +12,7 @@
 #include "server/aura/aura_box.h"
 #include "server/aura/aura_capsule.h"
 #include "server/aura/aura_radius.h"
+#include "server/aura/adaptive/precedence.h"
 #include "server/aura/migration_mode.h"
 #include "server/aura/partition_map.h"
 #include "server/base/ids.h"
@@ -148,6 +149,10 @@ struct MigrationSituation {
   const Sleepers* sleepers = nullptr;
   /// How many bodies each server has awake, about, by region. Empty: nobody is compared.
   std::span<const double> awake{};
+  /// (adaptive)
+  Precedence order{};
+  Precedence order_before{};  ///< As it was a second ago (long_stay_ticks).
+  bool asks_largest = false;  ///< MigrationDecision::largest_cluster is wanted.
 };
 
 /// Index of the body in `MigrationSituation::hosted`, if it is hosted here.
@@ -186,6 +191,8 @@ struct MigrationDecision {
   /// What must go together may not all be shown. Nothing has been decided: whoever asks shows
   /// everything, in the same tick, and asks again.
   bool sees_too_little = false;
+  /// Bodies in the largest cluster that is shown, if it was asked for (adaptive).
+  std::size_t largest_cluster = 0;
   std::vector<Migration> leaving;        ///< Disjoint groups, ascending by destination.
   std::vector<Pull> pulls;               ///< Ascending by `from`, then by `to`.
   std::vector<ProjectedAura> projected;  ///< Ascending by id.

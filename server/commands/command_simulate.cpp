@@ -27,6 +27,7 @@ struct SimulateOptions {
   double seconds = 20, latency_ms = 2, jitter_ms = 1;
   int bodies = 300;
   std::optional<double> latency_tolerance_ms;
+  double level_from = LoadLevels::awake_min;
   bool check_repeatable = false;
   bool compare_single = true;
   int jobs = 0;
@@ -41,6 +42,7 @@ SimulationOptions of_seed(const SimulateOptions& o, std::uint64_t seed) {
                      static_cast<Micros>(o.jitter_ms * 1000)};
   options.faults = *fault_kinds_from(o.faults);
   options.keep_trail = o.check_repeatable;
+  options.pace.level_from = o.level_from;
   return options;
 }
 
@@ -62,6 +64,7 @@ std::string replay_line(const SimulateOptions& o, std::uint64_t seed) {
       quoted(o.layout), o.mode, seed, o.seconds, o.latency_ms, o.jitter_ms, o.faults, o.bodies);
   if (o.latency_tolerance_ms)
     line += fmt::format(" --latency-tolerance {}", *o.latency_tolerance_ms);
+  if (o.level_from != LoadLevels::awake_min) line += fmt::format(" --level-from {}", o.level_from);
   return line + (o.check_repeatable ? " --check-repeatable" : "");
 }
 
@@ -291,6 +294,11 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->add_option("--latency-tolerance", o->latency_tolerance_ms,
                    "ms, the longest latency that auras reckon with (else the world's)")
       ->check(CLI::Range(0.0, 1000.0));
+  command
+      ->add_option("--level-from", o->level_from,
+                   "Bodies awake from which on servers are ordered by their loads")
+      ->capture_default_str()
+      ->check(CLI::Range(1.0, 1e9));
   command->add_option("--json", o->json, "Write totals and failures to this file");
   command->add_flag("--check-repeatable", o->check_repeatable,
                     "Run each seed twice and compare their hashes");

@@ -26,6 +26,8 @@ struct SimulatedPace {
   bool own_heaps = false;
   /// Before a server does anything that is profiled, if there is any.
   std::function<void()> before_frame = {};
+  /// From so many bodies awake on servers are ordered by their loads.
+  double level_from = LoadLevels::awake_min;
 };
 
 /// Does what server/net/region_server.cpp does, without sockets and clocks: at most two steps in

@@ -32,6 +32,7 @@ RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation 
       stand_ins_(hosting_.physics()),
       hosted_bodies_(map_, self_, hosting_.statics()),
       awake_everywhere_(world.regions.size(), 0.0),
+      load_levels_(world.regions.size(), self),
       injected_(world.injectors.size(), 0),
       tolerances_(world.tolerances, self, world.regions.size()) {
   AUREOLE_CHECK(self.value < world.regions.size(), "a core is one of its world's regions");
@@ -63,6 +64,7 @@ void RegionCore::peer_up(PeerId id, Incarnation incarnation) {
     peer.journal.link_up(incarnation);
     aura_exchange_.link_up(id.as_region());
     tolerances_.link_up(id.as_region());
+    peer.wants_status = true;
   } else {
     peer.wants_whole_state = true;
   }
@@ -163,8 +165,13 @@ Status RegionCore::receive(PeerId from, const Frame& frame) {
     case FrameType::region_status: {
       const auto* message = verified<wire::RegionStatus>(frame.payload);
       if (message == nullptr) return Error{"a region status is not a valid message"};
+      if (!is_wire_tick(message->tick()))
+        return Error::format("a region status of tick {}; expected at most {} from 0",
+                             message->tick(), wire_tick_max);
       peer.bodies = message->bodies();
       note_awake(from.as_region(), message->awake());
+      load_levels_.hear(from.as_region(), Tick{message->tick()},
+                        {message->level(), message->next_level()});
       return Ok{};
     }
     default:

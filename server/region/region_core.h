@@ -26,6 +26,7 @@
 #include "server/region/handoff/journal.h"
 #include "server/region/hosted_bodies.h"
 #include "server/region/hosting.h"
+#include "server/region/load_levels.h"
 #include "server/region/players/effects.h"
 #include "server/region/players/players.h"
 #include "server/region/recovery/recovery.h"
@@ -100,6 +101,10 @@ class RegionCore {
   /// What auras are sized by now.
   const AuraTolerances& tolerances_in_force() const { return tolerances_.limits(); }
 
+  /// Servers are ordered by their loads from so many bodies awake on; see LoadLevels::awake_min. All
+  /// servers of a world must agree.
+  void level_from(double awake) { load_levels_.level_from(awake); }
+
   /// From now on what has been taken counts as durable only once it is in a snapshot that has been
   /// written. Without snapshots it counts as durable at once, and is lost if this process dies.
   void enable_snapshots() { snapshots_ = true; }
@@ -152,6 +157,7 @@ class RegionCore {
     bool up = false;
     Tick up_since;
     bool wants_whole_state = false;  ///< Gateways, after link up.
+    bool wants_status = false;       ///< Regions, the same: our level may have changed.
     Journal journal;                 ///< Regions.
     std::uint32_t bodies = 0;        ///< Last heard.
     Incarnation incarnation;
@@ -197,7 +203,7 @@ class RegionCore {
   bool waits_for_auras(RegionId region, const Peer& peer, Tick now) const;
   void note_neighbour_is_back(RegionId region);
   std::vector<RegionId> closed_regions() const;
-  SharedBytes status_frame(Tick now, const ShellMeasurements& measured) const;
+  SharedBytes status_frame(Tick now, const ShellMeasurements& measured);
   SharedBytes acknowledgement(Peer& peer);
   void judge_tolerances(Tick now, const ShellMeasurements& measured);
 
@@ -233,6 +239,8 @@ class RegionCore {
   std::map<BodyId, Tick> pending_removals_;  ///< Of bodies that may be on their way here.
   HostedBodies hosted_bodies_;
   std::vector<double> awake_everywhere_;  ///< By region, smoothed; 0: not heard of.
+  LoadLevels load_levels_;
+  std::size_t largest_cluster_ = 0;  ///< As of the last decision, if it was asked.
   std::vector<RemoteAura> remote_auras_;  ///< Of bodies that are not hosted here.
   PlayerOutput player_output_;
   std::vector<Outgoing> outbox_;

@@ -172,11 +172,14 @@ MigrationDecision RegionCore::decide(Tick now) {
     const std::span<const HostedBody> hosted = look_at_hosted(now, whole);
     decision = policy_->decide({now, self_, map_, hosted, remote_auras_, handover_requests_, linked,
                                 &contacts, whole ? nullptr : &hosted_bodies_.strip(),
-                                hosted_bodies_.sleepers(), awake_everywhere_});
+                                hosted_bodies_.sleepers(), awake_everywhere_,
+                                {load_levels_.in_force(now)}, {load_levels_.in_force_before(now)},
+                                load_levels_.is_to_choose(now)});
     if (!decision.sees_too_little) break;
     ++extra_.whole_looks;
   }
   handover_requests_.clear();
+  largest_cluster_ = decision.largest_cluster;
   return decision;
 }
 

@@ -296,8 +296,10 @@ std::vector<VersionedBody> RegionCore::passive_copies() const {
   return copies;
 }
 
-SharedBytes RegionCore::status_frame(Tick now, const ShellMeasurements& measured) const {
+SharedBytes RegionCore::status_frame(Tick now, const ShellMeasurements& measured) {
   const RegionStatistics s = statistics();
+  const LoadLevels::Told level = load_levels_.tell(now, awake_everywhere_[self_.value],
+                                                    static_cast<double>(largest_cluster_));
   flatbuffers::FlatBufferBuilder builder(256);
   std::vector<wire::ToleranceMark> outside;
   for (const ToleranceEvent& e : tolerances_.outside())
@@ -311,7 +313,8 @@ SharedBytes RegionCore::status_frame(Tick now, const ShellMeasurements& measured
                                measured.frame_us_max, s.migrations_in, s.migrations_out,
                                measured.overruns, measured.skipped_ticks, s.removed_strays,
                                static_cast<std::uint32_t>(s.unacknowledged), recovering(),
-                               outside_at, s.tolerance_events, s.struck_stand_ins, s.whole_looks),
+                               outside_at, s.tolerance_events, s.struck_stand_ins, s.whole_looks,
+                               level.now, level.next),
       FrameType::region_status));
 }
 
@@ -358,7 +361,9 @@ void RegionCore::publish(Tick now, const SharedBytes& update, const ShellMeasure
     } else {
       outbox_.push_back({id, update});
     }
-    if (status) outbox_.push_back({id, status});
+    if (status || peer.wants_status)
+      outbox_.push_back({id, status ? status : status_frame(now, measured)});
+    peer.wants_status = false;
   }
 }
 

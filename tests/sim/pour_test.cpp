@@ -1,6 +1,7 @@
 // Bodies poured onto a four-way corner: how much of the heap lies on a server that is not its own
 // once it has come to rest.
 #include <algorithm>
+#include <string>
 
 #include "server/experiment/simulation.h"
 #include "server/worlds/region_tiling.h"
@@ -44,6 +45,12 @@ double foreign_hosted_share(MigrationMode mode, int bodies) {
   }
   CHECK(calm_ticks == 128);
   CHECK(simulation.seen().size() == all_there);
+  std::string broken;
+  SeedResult judged;
+  simulation.interactions().report(judged);
+  for (const Violation& v : judged.violations)
+    broken += "tick " + std::to_string(v.tick) + ": " + v.what + "\n";
+  INFO(broken);
   CHECK(simulation.interactions().missed_in_tolerance() == 0);
   const auto foreign =
       std::count_if(simulation.seen().begin(), simulation.seen().end(), [&](const SeenBody& b) {

@@ -97,6 +97,7 @@ class AdaptivePolicy final : public MigrationPolicy {
       decision.pulls.push_back({way.first, way.second, {bodies.begin(), bodies.end()}});
     visitors_.remember();
     project(s, decision);
+    if (s.asks_largest) decision.largest_cluster = largest_cluster(s);
     return decision;
   }
 
@@ -120,6 +121,14 @@ class AdaptivePolicy final : public MigrationPolicy {
     return true;
   }
 
+  /// Of all that is shown and does not rest, whether it meets anything of others or not.
+  std::size_t largest_cluster(const MigrationSituation& s) {
+    std::size_t most = 0;
+    for (std::uint32_t i = 0; i < s.hosted.size(); ++i)
+      if (!outlook_.rests(i)) most = std::max(most, clusters_.members(clusters_.of(i)).size());
+    return most;
+  }
+
   void send(const MigrationSituation& s, Clusters::Number cluster, RegionId to, Leaving& leaving) {
     if (clusters_.sent(cluster) || to == s.self || !s.linked[to.value]) return;
     clusters_.note_sent(cluster);
@@ -135,8 +144,8 @@ class AdaptivePolicy final : public MigrationPolicy {
       // Who asks does not see all of the cluster: it may reach where it would be fetched on to.
       const Clusters::Number cluster = clusters_.of(*body);
       if (contests_.is_overtaken(cluster, request.body, request.asker)) continue;
-      const RegionId lowest = contests_.lowest_around(cluster);
-      send(s, cluster, lowest < s.self ? std::min(request.to, lowest) : request.to, leaving);
+      const RegionId first = contests_.first_around(cluster);
+      send(s, cluster, first == s.self ? request.to : s.order.first(request.to, first), leaving);
     }
   }
 

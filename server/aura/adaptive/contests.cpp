@@ -10,11 +10,11 @@
 namespace aureole {
 namespace {
 
-/// What is given to a higher number may have to come down again: where a third server is so near,
-/// also one that is away and may be back, all go to the lower one; who has changed its owner within
-/// the last second does so sooner.
-constexpr Horizon up_near{8.0, 1.0, true};
-constexpr Horizon up_near_again{32.0, 1.0, true};
+/// What is given to who comes later in the order may have to go back again: where a third server is
+/// so near, also one that is away and may be back, all go to the first of the two; who has changed
+/// its owner within the last second does so sooner.
+constexpr Horizon back_near{8.0, 1.0, true};
+constexpr Horizon back_near_again{32.0, 1.0, true};
 
 std::uint8_t size_class_of(std::size_t bodies) {
   const int power = std::bit_width(std::max<std::size_t>(bodies, 1)) - 1;
@@ -71,9 +71,10 @@ std::uint8_t Contests::changes_of(Clusters::Number cluster) const {
   return most;
 }
 
-RegionId Contests::lowest_around(Clusters::Number cluster) {
+RegionId Contests::first_around(Clusters::Number cluster) {
   const RegionSet& others = neighbourhood_.of(cluster);
-  return others.empty() ? situation_->self : std::min(others.lowest(), situation_->self);
+  const Precedence& order = situation_->order;
+  return others.empty() ? situation_->self : order.first(order.first(others), situation_->self);
 }
 
 const Company& Contests::company_of(std::uint32_t body) {
@@ -242,7 +243,18 @@ RegionId Contests::arbitrate(const Contest& contest, RegionId other) const {
   return distance(other) - distance(self) < shift_m ? other : self;
 }
 
-/// The lowest server whose side has changed its owner as often as it should.
+/// Whether a side of it has come to that server within the last second.
+bool Contests::has_moved_to(const Contest& contest, RegionId host) const {
+  if (host == situation_->self)
+    return std::any_of(contest.ours.begin(), contest.ours.end(),
+                       [&](Clusters::Number cluster) { return changes_of(cluster) > 0; });
+  return std::any_of(contest.meets.begin(), contest.meets.end(), [&](const RemoteAura* aura) {
+    return aura->host == host && aura->company.changes > 0;
+  });
+}
+
+/// The lowest server whose side has changed its owner as often as it should: not the first, for it
+/// must not go on when the order changes.
 std::optional<RegionId> Contests::settled_host(const Contest& contest) const {
   RegionSet settled;
   for (const RemoteAura* aura : contest.meets)
@@ -256,7 +268,7 @@ std::optional<RegionId> Contests::settled_host(const Contest& contest) const {
 bool Contests::meets_a_third_soon(const Contest& contest, RegionId other) const {
   RegionSet others;
   for (const Clusters::Number cluster : contest.ours)
-    neighbourhood_.add_around(cluster, changes_of(cluster) > 0 ? up_near_again : up_near, others);
+    neighbourhood_.add_around(cluster, changes_of(cluster) > 0 ? back_near_again : back_near, others);
   others.remove(other);
   return !others.empty();
 }
@@ -280,45 +292,53 @@ bool Contests::have_changed_twice(const std::vector<Clusters::Number>& clusters)
 
 /// All of a contest goes to one server: what is ours leaves, or what is theirs is asked for.
 Contests::Verdict Contests::conclude(const Contest& contest, RegionId to, bool crowded) {
+  const Precedence& order = situation_->order;
   Verdict verdict{contest.ours, to, {}};
   for (const RemoteAura* aura : contest.meets)
-    if (aura->host > situation_->self && aura->host != to) verdict.asked.push_back(aura);
+    if (order.before(situation_->self, aura->host) && aura->host != to)
+      verdict.asked.push_back(aura);
   if (!crowded || to == situation_->self) remember(contest, verdict);
   return verdict;
 }
 
 std::vector<Contests::Verdict> Contests::verdicts() {
   const RegionId self = situation_->self;
+  const Precedence& order = situation_->order;
   promises_.note_coming();
   std::vector<Verdict> all;
   for (Contest& contest : joined_contests()) {
     RegionSet others;
     for (const Clusters::Number cluster : contest.ours) others.add(neighbourhood_.of(cluster));
-    bool crowded = false, followed = false, meets_lower = false;
+    bool crowded = false, followed = false, meets_earlier = false;
     for (const RemoteAura* aura : contest.meets) {
       others.add(aura->host);
       crowded = crowded || aura->company.crowded;
-      meets_lower = meets_lower || aura->host < self;
+      meets_earlier = meets_earlier || order.before(aura->host, self);
       const bool moved = aura->company.changes > 0;
       followed = followed || moved;
       neighbourhood_.add_around(aura->room.box(), moved ? far_around : near_by, others);
     }
-    const RegionId lowest = others.lowest();
+    const RegionId other = order.first(others);
     RegionSet third = others;
-    third.remove(lowest);
+    third.remove(other);
     crowded = crowded || !third.empty();
-    RegionId to = std::min(lowest, self);
+    RegionId to = order.first(other, self);
     if (crowded) {
       // Whoever has come after us once is not led on to a server that nobody meets yet.
-      if (followed && !meets_lower) to = self;
+      if (followed && !meets_earlier) to = self;
+      // Whoever has come to the one that was first until a moment ago does not go on at once.
+      RegionSet everybody = others;
+      everybody.add(self);
+      const RegionId was = situation_->order_before.first(everybody);
+      if (was != to && has_moved_to(contest, was) && !has_moved_to(contest, to)) to = was;
       to = settled_host(contest).value_or(to);
     } else {
-      if (lowest < self) continue;  // It decides.
-      to = arbitrate(contest, lowest);
-      if (to != self && meets_a_third_soon(contest, lowest)) to = self;
+      if (order.before(other, self)) continue;  // It decides.
+      to = arbitrate(contest, other);
+      if (to != self && meets_a_third_soon(contest, other)) to = self;
     }
     // Whoever went to the other side now would pass by what comes here.
-    if (to != self && lowest > self)
+    if (to != self && order.before(self, other))
       if (const Contest waiting = take_waiting(contest); !waiting.ours.empty())
         all.push_back(conclude(waiting, self, crowded));
     if (!contest.ours.empty()) all.push_back(conclude(contest, to, crowded));

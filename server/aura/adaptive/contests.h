@@ -20,14 +20,14 @@ namespace aureole {
 /// A cluster that meets auras of other servers, of which either moves, is contested. Two servers
 /// never decide about the same pair:
 ///
-///   - Between two the lower number is the arbiter. It gives both sides to whoever's region the
+///   - Between two the first in the order (precedence.h) is the arbiter. It gives both sides to whoever's region the
 ///     middle of what meets lies in, each side weighted by how much would have to move, and the
 ///     line between the two shifted towards the one with more to do; who has changed its owner
 ///     twice within a second stays, and so does what meets something that has just been asked for,
 ///     or is so near to it that the two may be one cluster by now: if it left, the two would swap
 ///     places. It sends its own or asks for the other's.
 ///     The other one tells it of its side, and waits.
-///   - Where a third server is near all go to the lowest: around a corner nobody sees everything.
+///   - Where a third server is near all go to the first: around a corner nobody sees everything.
 class Contests {
  public:
   explicit Contests(const AuraTolerances& tolerances) { set_tolerances(tolerances); }
@@ -49,8 +49,8 @@ class Contests {
   /// What becomes of the contested clusters, each once, in a fixed order.
   std::vector<Verdict> verdicts();
 
-  /// The lowest server that has anything near a cluster, or on its way, if lower than ours.
-  RegionId lowest_around(Clusters::Number cluster);
+  /// The first server that has anything near a cluster, or on its way, if before ours.
+  RegionId first_around(Clusters::Number cluster);
 
   /// Whether a server that asks for the cluster cannot have known what has come to it meanwhile:
   /// bodies of its own, or such as have changed their owner as often as they should. It will ask
@@ -82,6 +82,7 @@ class Contests {
   Verdict conclude(const Contest& contest, RegionId to, bool crowded);
   bool have_changed_twice(const std::vector<Clusters::Number>& clusters) const;
   void remember(const Contest& contest, const Verdict& verdict);
+  bool has_moved_to(const Contest& contest, RegionId host) const;
   std::optional<RegionId> settled_host(const Contest& contest) const;
   bool meets_a_third_soon(const Contest& contest, RegionId other) const;
   Tick settled_since(BodyId id);

@@ -16,9 +16,7 @@ struct SideLoad {
 /// has much to do.
 ///
 /// Contests look at it only where two meet. Where three do, all go to the one that comes first in
-/// an order that never changes: an order by what servers have to do was tried, changed at the same
-/// tick by all of them, and evens out a corner of four; but what has just come to the first has to
-/// go on to the next.
+/// the order of the servers (precedence.h).
 double line_shift_m(SideLoad here, SideLoad there);
 
 }  // namespace aureole

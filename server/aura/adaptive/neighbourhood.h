@@ -18,7 +18,7 @@ struct Horizon {
   bool away_too = false;  ///< Servers that are away may be back by then: they count as well.
 };
 
-/// A cluster goes to the lowest server that has anything so near to it, or on its way, if that is a
+/// A cluster goes to the first server that has anything so near to it, or on its way, if that is a
 /// third one: at a corner it would be fetched on to that one soon, and from there to the next.
 inline constexpr Horizon near_by{1.0, 0.5};
 /// Who has changed its owner within the last second goes as far as it may have to at once: it must

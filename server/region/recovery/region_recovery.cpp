@@ -194,7 +194,9 @@ bool RegionCore::stays_frozen(Tick now, const ShellMeasurements& measured) {
           outbox_.push_back({id, std::move(frame)});
       peer.asked_round = 0;
     }
-    if (status) outbox_.push_back({id, status});
+    if (status || peer.wants_status)
+      outbox_.push_back({id, status ? status : status_frame(now, measured)});
+    peer.wants_status = false;
   }
   return true;
 }

@@ -119,6 +119,8 @@ struct Scene {
   const ContactSource* contacts = nullptr;
   const View* view = nullptr;
   std::vector<double> awake;  ///< By region.
+  std::vector<std::uint16_t> levels, levels_before;  ///< By region; empty: all alike.
+  bool asks_largest = false;
 
   /// The same with those who sleep, and with whom nothing is to happen, among the hosted bodies or
   /// apart: what comes of it must not depend on it.
@@ -127,7 +129,7 @@ struct Scene {
                            Asleep asleep = Asleep::among_hosted) const {
     if (asleep == Asleep::among_hosted)
       return policy.decide({now, RegionId{self}, map, hosted, remote, requested, linked, contacts,
-                            view, nullptr, awake});
+                            view, nullptr, awake, {levels}, {levels_before}, asks_largest});
     Sleepers sleepers(map.area(RegionId{self}));
     std::vector<HostedBody> shown;
     for (const HostedBody& body : hosted) {
@@ -137,7 +139,7 @@ struct Scene {
     }
     sleepers.settle();
     return policy.decide({now, RegionId{self}, map, shown, remote, requested, linked, contacts,
-                          view, &sleepers, awake});
+                          view, &sleepers, awake, {levels}, {levels_before}, asks_largest});
   }
   MigrationDecision decide() const {
     const auto apart = decide(*make_adaptive_policy(AuraTolerances{}), Tick{0}, Asleep::apart);

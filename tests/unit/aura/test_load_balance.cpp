@@ -67,12 +67,22 @@ TEST_CASE("who has less to do keeps what lies no farther away than the line is s
   }
 }
 
-TEST_CASE("where three meet all go to the lowest, however much it has to do") {
+namespace {
+
+/// Where three regions meet, seen by the second: one of each server meets the others'.
+Scene corner() {
   Scene scene;
   scene.map = PartitionMap({{-inf, -inf, 10, 0}, {10, -inf, inf, 0}, {-inf, 0, inf, inf}});
   scene.self = 1;
   scene.hosted = {awake_at(1, 10.3, -0.3)};
   scene.remote = {aura(0, 0, false, 9.7, -0.3), aura(2, 2, false, 10, 0.2)};
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("where three meet all go to the lowest while all are at the same level") {
+  Scene scene = corner();
   for (const std::vector<double>& awake :
        {std::vector<double>{}, {500, 500, 500}, {900, 300, 300}, {300, 900, 900}}) {
     scene.awake = awake;
@@ -80,4 +90,53 @@ TEST_CASE("where three meet all go to the lowest, however much it has to do") {
     REQUIRE(decision.leaving.size() == 1);
     REQUIRE(decision.leaving[0].to == RegionId{0});
   }
+}
+
+TEST_CASE("where three meet all go to the one at the lowest level") {
+  Scene scene = corner();
+  scene.levels = {5, 5, 4};
+  REQUIRE(scene.decide().leaving.at(0).to == RegionId{2});
+  REQUIRE(scene.decide().pulls.empty());
+  scene.levels = {5, 4, 5};
+  const auto decision = scene.decide();
+  REQUIRE(decision.leaving.empty());
+  REQUIRE(decision.pulls.size() == 2);
+  REQUIRE(decision.pulls[0].to == RegionId{1});
+  REQUIRE(decision.pulls[1].to == RegionId{1});
+}
+
+TEST_CASE("of two servers the one at the lower level is the arbiter") {
+  Scene scene;
+  scene.hosted = {awake_at(0, 9.9)};
+  scene.remote = {aura(1, 1, false, 10.6)};
+  REQUIRE(scene.decide().leaving.size() == 1);  // The middle lies at the other one's.
+  scene.levels = {1, 0};
+  REQUIRE(scene.decide().leaving.empty());
+  scene.levels = {0, 1};
+  REQUIRE(scene.decide().leaving.size() == 1);
+}
+
+TEST_CASE("what has come to the one that was first a second ago does not go on at once") {
+  Scene scene = corner();
+  scene.self = 2;
+  scene.hosted = {awake_at(2, 10, 0.2)};
+  scene.remote = {aura(0, 0, false, 9.7, -0.3), aura(1, 1, false, 10.3, -0.3)};
+  scene.levels = {4, 5, 5};
+  scene.levels_before = {5, 4, 5};
+  REQUIRE(scene.decide().leaving.at(0).to == RegionId{0});
+  scene.remote[1].company.changes = 1;
+  REQUIRE(scene.decide().leaving.at(0).to == RegionId{1});
+  SECTION("unless something has come to the one that is first now") {
+    scene.remote[0].company.changes = 1;
+    REQUIRE(scene.decide().leaving.at(0).to == RegionId{0});
+  }
+}
+
+TEST_CASE("a decision that is asked says how many bodies hang together at most") {
+  Scene scene;
+  scene.hosted = {awake_at(0, 9.9), awake_at(2, 9.5), awake_at(3, 2)};
+  scene.hosted[0].velocity_mps = scene.hosted[1].velocity_mps = {0.2, 0, 0};
+  REQUIRE(scene.decide().largest_cluster == 0);
+  scene.asks_largest = true;
+  REQUIRE(scene.decide().largest_cluster == 2);
 }
