@@ -30,8 +30,8 @@ void LoadLevels::note(Known& known, Announced announced) {
 }
 
 std::uint16_t LoadLevels::level_in(const Known& known, std::int64_t term) {
-  const auto at = std::find_if(known.begin(), known.end(),
-                               [&](const Announced& a) { return a.term <= term; });
+  const auto at =
+      std::find_if(known.begin(), known.end(), [&](const Announced& a) { return a.term <= term; });
   return at == known.end() ? known.back().level : at->level;
 }
 

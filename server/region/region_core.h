@@ -101,8 +101,8 @@ class RegionCore {
   /// What auras are sized by now.
   const AuraTolerances& tolerances_in_force() const { return tolerances_.limits(); }
 
-  /// Servers are ordered by their loads from so many bodies awake on; see LoadLevels::awake_min. All
-  /// servers of a world must agree.
+  /// Servers are ordered by their loads from so many bodies awake on; see LoadLevels::awake_min.
+  /// All servers of a world must agree.
   void level_from(double awake) { load_levels_.level_from(awake); }
 
   /// From now on what has been taken counts as durable only once it is in a snapshot that has been
@@ -240,7 +240,7 @@ class RegionCore {
   HostedBodies hosted_bodies_;
   std::vector<double> awake_everywhere_;  ///< By region, smoothed; 0: not heard of.
   LoadLevels load_levels_;
-  std::size_t largest_cluster_ = 0;  ///< As of the last decision, if it was asked.
+  std::size_t largest_cluster_ = 0;       ///< As of the last decision, if it was asked.
   std::vector<RemoteAura> remote_auras_;  ///< Of bodies that are not hosted here.
   PlayerOutput player_output_;
   std::vector<Outgoing> outbox_;

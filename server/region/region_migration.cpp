@@ -170,11 +170,20 @@ MigrationDecision RegionCore::decide(Tick now) {
   const Touching contacts(hosting_.physics());
   for (const bool whole : {false, true}) {
     const std::span<const HostedBody> hosted = look_at_hosted(now, whole);
-    decision = policy_->decide({now, self_, map_, hosted, remote_auras_, handover_requests_, linked,
-                                &contacts, whole ? nullptr : &hosted_bodies_.strip(),
-                                hosted_bodies_.sleepers(), awake_everywhere_,
-                                {load_levels_.in_force(now)}, {load_levels_.in_force_before(now)},
-                                load_levels_.is_to_choose(now)});
+    decision = policy_->decide({.now = now,
+                                .self = self_,
+                                .map = map_,
+                                .hosted = hosted,
+                                .remote = remote_auras_,
+                                .requested = handover_requests_,
+                                .linked = linked,
+                                .contacts = &contacts,
+                                .view = whole ? nullptr : &hosted_bodies_.strip(),
+                                .sleepers = hosted_bodies_.sleepers(),
+                                .awake = awake_everywhere_,
+                                .order = {load_levels_.in_force(now)},
+                                .order_before = {load_levels_.in_force_before(now)},
+                                .asks_largest = load_levels_.is_to_choose(now)});
     if (!decision.sees_too_little) break;
     ++extra_.whole_looks;
   }

@@ -449,7 +449,7 @@ MUTATIONS = [
     Mutation(
         "own-order",
         "of three the lowest comes first, however much it has to do",
-        "server/aura/adaptive/precedence.h",
+        "server/aura/precedence.h",
         "    if (!levels.empty() && levels[a.value] != levels[b.value])",
         "    if (levels.size() > 1000 && levels[a.value] != levels[b.value])",
         ((AURA, "where three meet all go to the one at the lowest level"),),

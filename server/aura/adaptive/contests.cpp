@@ -268,7 +268,8 @@ std::optional<RegionId> Contests::settled_host(const Contest& contest) const {
 bool Contests::meets_a_third_soon(const Contest& contest, RegionId other) const {
   RegionSet others;
   for (const Clusters::Number cluster : contest.ours)
-    neighbourhood_.add_around(cluster, changes_of(cluster) > 0 ? back_near_again : back_near, others);
+    neighbourhood_.add_around(cluster, changes_of(cluster) > 0 ? back_near_again : back_near,
+                              others);
   others.remove(other);
   return !others.empty();
 }

@@ -20,12 +20,12 @@ namespace aureole {
 /// A cluster that meets auras of other servers, of which either moves, is contested. Two servers
 /// never decide about the same pair:
 ///
-///   - Between two the first in the order (precedence.h) is the arbiter. It gives both sides to whoever's region the
-///     middle of what meets lies in, each side weighted by how much would have to move, and the
-///     line between the two shifted towards the one with more to do; who has changed its owner
-///     twice within a second stays, and so does what meets something that has just been asked for,
-///     or is so near to it that the two may be one cluster by now: if it left, the two would swap
-///     places. It sends its own or asks for the other's.
+///   - Between two the first in the order (precedence.h) is the arbiter. It gives both sides to
+///     whoever's region the middle of what meets lies in, each side weighted by how much would have
+///     to move, and the line between the two shifted towards the one with more to do; who has
+///     changed its owner twice within a second stays, and so does what meets something that has
+///     just been asked for, or is so near to it that the two may be one cluster by now: if it left,
+///     the two would swap places. It sends its own or asks for the other's.
 ///     The other one tells it of its side, and waits.
 ///   - Where a third server is near all go to the first: around a corner nobody sees everything.
 class Contests {

@@ -118,7 +118,7 @@ struct Scene {
   std::vector<bool> linked = std::vector<bool>(16, true);
   const ContactSource* contacts = nullptr;
   const View* view = nullptr;
-  std::vector<double> awake;  ///< By region.
+  std::vector<double> awake;                         ///< By region.
   std::vector<std::uint16_t> levels, levels_before;  ///< By region; empty: all alike.
   bool asks_largest = false;
 
@@ -127,9 +127,20 @@ struct Scene {
   enum class Asleep { among_hosted, apart };
   MigrationDecision decide(MigrationPolicy& policy, Tick now,
                            Asleep asleep = Asleep::among_hosted) const {
-    if (asleep == Asleep::among_hosted)
-      return policy.decide({now, RegionId{self}, map, hosted, remote, requested, linked, contacts,
-                            view, nullptr, awake, {levels}, {levels_before}, asks_largest});
+    MigrationSituation situation{.now = now,
+                                 .self = RegionId{self},
+                                 .map = map,
+                                 .hosted = hosted,
+                                 .remote = remote,
+                                 .requested = requested,
+                                 .linked = linked,
+                                 .contacts = contacts,
+                                 .view = view,
+                                 .awake = awake,
+                                 .order = {levels},
+                                 .order_before = {levels_before},
+                                 .asks_largest = asks_largest};
+    if (asleep == Asleep::among_hosted) return policy.decide(situation);
     Sleepers sleepers(map.area(RegionId{self}));
     std::vector<HostedBody> shown;
     for (const HostedBody& body : hosted) {
@@ -138,8 +149,9 @@ struct Scene {
         shown.push_back(body);
     }
     sleepers.settle();
-    return policy.decide({now, RegionId{self}, map, shown, remote, requested, linked, contacts,
-                          view, &sleepers, awake, {levels}, {levels_before}, asks_largest});
+    situation.hosted = shown;
+    situation.sleepers = &sleepers;
+    return policy.decide(situation);
   }
   MigrationDecision decide() const {
     const auto apart = decide(*make_adaptive_policy(AuraTolerances{}), Tick{0}, Asleep::apart);
