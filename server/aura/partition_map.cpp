@@ -50,6 +50,18 @@ PartitionMap::PartitionMap(std::vector<Rectangle> areas, std::uint64_t version)
   for (auto& list : neighbours_) std::sort(list.begin(), list.end());
 }
 
+bool PartitionMap::has_corners() const {
+  const auto meets = [&](RegionId a, RegionId b) {
+    return std::binary_search(neighbours_[a.value].begin(), neighbours_[a.value].end(), b);
+  };
+  // Rectangles of which any two touch have a point in common (Helly's theorem for boxes).
+  for (std::uint16_t i = 0; i < areas_.size(); ++i)
+    for (const RegionId j : neighbours_[i])
+      for (const RegionId k : neighbours_[i])
+        if (j < k && meets(j, k)) return true;
+  return false;
+}
+
 RegionId PartitionMap::region_at(double x, double z) const {
   for (std::size_t i = 0; i < areas_.size(); ++i)
     if (areas_[i].contains(x, z)) return RegionId{static_cast<std::uint16_t>(i)};

@@ -58,6 +58,8 @@ class PartitionMap {
   const std::vector<RegionId>& neighbours(RegionId region) const {
     return neighbours_[region.value];
   }
+  /// Whether three regions meet anywhere.
+  bool has_corners() const;
   /// All pieces of boundary, sorted by their regions. At a T-shaped corner one side's edge is cut
   /// into the pieces that its neighbours touch.
   const std::vector<BoundarySegment>& boundaries() const { return boundaries_; }

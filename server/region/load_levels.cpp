@@ -25,7 +25,7 @@ void LoadLevels::note(Known& known, Announced announced) {
     known.front() = announced;
   } else {
     // Older than all that is known: its time began anew.
-    known.fill(announced);
+    known = {announced, announced, announced};
   }
 }
 

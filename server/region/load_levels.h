@@ -33,7 +33,7 @@ class LoadLevels {
   /// `self`: one of `regions`.
   LoadLevels(std::size_t regions, RegionId self) : known_(regions), self_(self) {}
 
-  /// Loads below this are at level 0 instead (bodies awake, > 0).
+  /// Loads below this are at level 0 instead (bodies awake, > 0; infinite: all are alike).
   void level_from(double awake) { awake_min_ = awake; }
 
   /// What a status of some tick says: the level in that term and in the next.

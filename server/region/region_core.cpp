@@ -2,6 +2,7 @@
 #include "server/region/region_core.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "protocol/wire.h"
 #include "server/base/check.h"
@@ -36,6 +37,7 @@ RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation 
       injected_(world.injectors.size(), 0),
       tolerances_(world.tolerances, self, world.regions.size()) {
   AUREOLE_CHECK(self.value < world.regions.size(), "a core is one of its world's regions");
+  level_from(LoadLevels::awake_min);
   for (std::size_t i = 0; i < world.regions.size(); ++i) {
     if (i == self.value) continue;
     const RegionId region{static_cast<std::uint16_t>(i)};
@@ -48,6 +50,13 @@ RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation 
     const Eigen::Vector3d &low = injector.volume.min, &high = injector.volume.max;
     may_inject_here_.push_back(map_.area(self).overlaps(low.x(), low.z(), high.x(), high.z()));
   }
+}
+
+void RegionCore::level_from(double awake) {
+  // Where only two ever meet the line between them is shifted; an order that changes would only
+  // make bodies change their owners more often.
+  constexpr double never = std::numeric_limits<double>::infinity();
+  load_levels_.level_from(map_.has_corners() ? awake : never);
 }
 
 void RegionCore::peer_up(PeerId id, Incarnation incarnation) {

@@ -101,9 +101,9 @@ class RegionCore {
   /// What auras are sized by now.
   const AuraTolerances& tolerances_in_force() const { return tolerances_.limits(); }
 
-  /// Servers are ordered by their loads from so many bodies awake on; see LoadLevels::awake_min.
-  /// All servers of a world must agree.
-  void level_from(double awake) { load_levels_.level_from(awake); }
+  /// Servers of a world with corners are ordered by their loads from so many bodies awake on; see
+  /// LoadLevels::awake_min. All servers of a world must agree.
+  void level_from(double awake);
 
   /// From now on what has been taken counts as durable only once it is in a snapshot that has been
   /// written. Without snapshots it counts as durable at once, and is lost if this process dies.

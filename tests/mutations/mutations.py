@@ -470,4 +470,20 @@ MUTATIONS = [
         ")",
         ((REGION, "a level is kept while fewer bodies more are awake than hang together"),),
     ),
+    Mutation(
+        "hasty-arrival",
+        "an idle player who has just come throws before anybody near has heard",
+        "server/region/players/players.cpp",
+        "    avatar.company = true;\n",
+        "",
+        ((REGION, "an idle player who has just come throws only when those near have heard"),),
+    ),
+    Mutation(
+        "forgotten-hold",
+        "what a player's server held back happens at once on the next one",
+        "server/region/handoff/handoff.cpp",
+        "  avatar.held_until = Tick{p.held_until_tick()};\n",
+        "",
+        ((REGION, "what a player's server held back waits as long at the next one, and no longer"),),
+    ),
 ]

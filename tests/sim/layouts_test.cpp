@@ -62,8 +62,8 @@ TEST_CASE("without faults every layout holds every rule: pours, flights, rows, p
 TEST_CASE("servers whose order follows their loads hold every rule too") {
   constexpr double few = 2;  // A handful of bodies awake decides who goes first.
   int different = 0;
-  for (const std::string layout : {"column4", "corner3", "corner4", "corner9"}) {
-    for (std::uint64_t seed : {2, 3, 5, 7}) {
+  for (const std::string layout : {"corner3", "corner4", "corner9"}) {
+    for (std::uint64_t seed : {2, 3, 5, 7, 11}) {
       const SeedResult result =
           run(layout, MigrationMode::adaptive, seed, FaultKinds::none, 8, 80, few);
       INFO(layout << ", " << told(result));
@@ -73,6 +73,11 @@ TEST_CASE("servers whose order follows their loads hold every rule too") {
     }
   }
   CHECK(different > 4);
+  // Where three never meet the order is that of their numbers.
+  const SeedResult columns =
+      run("column4", MigrationMode::adaptive, 2, FaultKinds::none, 8, 80, few);
+  CHECK(columns.migrations ==
+        run("column4", MigrationMode::adaptive, 2, FaultKinds::none).migrations);
 }
 
 TEST_CASE("under stalls, resets, slow servers and crashes every layout holds every rule") {

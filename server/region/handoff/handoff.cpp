@@ -182,7 +182,7 @@ Result<Avatar> from_wire(const wire::HandoffPlayer& p) {
       !(p.carried_distance_m() >= 0 && p.carried_distance_m() < 100))
     return Error{"a player in a handoff has numbers out of range"};
   if (p.session() > session_max || !is_wire_tick(p.lost_since_tick()) ||
-      !is_wire_tick(p.active_tick()))
+      !is_wire_tick(p.active_tick()) || !is_wire_tick(p.held_until_tick()))
     return Error{"a player in a handoff has a session or a tick that cannot be"};
   if (BodyId{p.carried()}.kind() == BodyId::Kind::avatar)
     return Error{"a player in a handoff carries an avatar"};
@@ -197,6 +197,7 @@ Result<Avatar> from_wire(const wire::HandoffPlayer& p) {
   avatar.yaw = p.yaw();
   avatar.pitch = p.pitch();
   avatar.active = Tick{p.active_tick()};
+  avatar.held_until = Tick{p.held_until_tick()};
   avatar.thrown = p.thrown();
   avatar.carried = BodyId{p.carried()};
   avatar.carried_distance_m = p.carried_distance_m();
@@ -276,7 +277,7 @@ Bytes encode_handoff(const HandoffGroup& group) {
     players.push_back(wire::CreateHandoffPlayer(
         builder, a.player.value, a.session, a.applied_sequence, a.gateway, a.connected,
         a.lost_since.value, a.keys, a.yaw, a.pitch, a.active.value, a.thrown, a.carried.value,
-        a.carried_distance_m, builder.CreateVectorOfStructs(waiting)));
+        a.carried_distance_m, builder.CreateVectorOfStructs(waiting), a.held_until.value));
   }
   std::vector<wire::Resting> stand_ins;
   for (const NewBody& body : group.stand_ins) stand_ins.push_back(encode_resting(body));

@@ -293,6 +293,9 @@ void Players::accept(std::vector<Avatar> avatars, std::span<const BodyId> arrive
     if (!hosting_.hosts(avatar.body())) continue;
     if (avatar.carried != BodyId{} && !hosting_.hosts(avatar.carried)) avatar.carried = BodyId{};
     moved_.erase(player);
+    // Until it has been looked at here: it came because others are near.
+    avatar.company = true;
+    avatar.held_until = std::min(avatar.held_until, now + wind_up_ticks_);
     avatars_.insert_or_assign(player, std::move(avatar));
     apply_waiting(player, now, room, out);
   }

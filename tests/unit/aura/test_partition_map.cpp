@@ -54,6 +54,15 @@ TEST_CASE("regions that share only a corner are neighbours") {
   REQUIRE(map.neighbours(r(3)) == regions({0, 1, 2}));
 }
 
+TEST_CASE("three regions meet at a corner, and nowhere between columns") {
+  REQUIRE(quarters().has_corners());
+  REQUIRE(t_shape().has_corners());
+  REQUIRE_FALSE(PartitionMap({{-inf, -inf, inf, inf}}).has_corners());
+  REQUIRE_FALSE(PartitionMap({{-inf, -inf, 0, inf}, {0, -inf, inf, inf}}).has_corners());
+  REQUIRE_FALSE(
+      PartitionMap({{-inf, -inf, 0, inf}, {0, -inf, 50, inf}, {50, -inf, inf, inf}}).has_corners());
+}
+
 TEST_CASE("columns neighbour only the columns beside them") {
   const PartitionMap map({{-inf, -inf, 0, inf}, {0, -inf, 50, inf}, {50, -inf, inf, inf}});
   REQUIRE(map.neighbours(r(0)) == regions({1}));

@@ -47,6 +47,8 @@ HandoffGroup sample_group() {
   avatar.player = PlayerId{5};
   avatar.session = 77;
   avatar.applied_sequence = 12;
+  avatar.active = Tick{400};
+  avatar.held_until = Tick{408};
   avatar.carried = BodyId::world(11);
   PlayerCommand command;
   command.player = PlayerId{5};
@@ -96,6 +98,8 @@ TEST_CASE("a handoff comes back bit for bit") {
   REQUIRE(back->avatars.size() == 1);
   REQUIRE(back->avatars[0].session == 77);
   REQUIRE(back->avatars[0].carried == BodyId::world(11));
+  REQUIRE(back->avatars[0].active == Tick{400});
+  REQUIRE(back->avatars[0].held_until == Tick{408});
   REQUIRE(back->avatars[0].waiting.at(14).kind == PlayerCommand::Kind::blast);
 }
 
@@ -137,6 +141,7 @@ TEST_CASE("a handoff with anything wrong in it is refused with a sentence") {
   REQUIRE_FALSE(refusal([](auto& g) { g.contacts[0].points[1].lateral_2 = {9, 0, 0}; }).empty());
   REQUIRE_FALSE(refusal([](auto& g) { g.avatars[0].carried = g.avatars[0].body(); }).empty());
   REQUIRE_FALSE(refusal([](auto& g) { g.avatars[0].lost_since = Tick{INT64_MIN}; }).empty());
+  REQUIRE_FALSE(refusal([](auto& g) { g.avatars[0].held_until = Tick{INT64_MAX}; }).empty());
   REQUIRE_FALSE(refusal([](auto& g) { g.avatars[0].session = UINT32_MAX; }).empty());
   REQUIRE(refusal([](auto& g) { g.avatars.push_back(g.avatars[0]); }) ==
           "a handoff carries player 5 twice");
