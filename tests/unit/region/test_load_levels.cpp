@@ -135,11 +135,21 @@ Status hears_status(RegionCore& core, std::int64_t tick) {
   return core.receive(PeerId::region(theirs), *frame);
 }
 
+/// Four balls fall in the region of `ours`, beside two others.
+WorldDefinition corner_world() {
+  WorldDefinition world = testing::flat_world(2);
+  RegionDefinition other = world.regions[1];
+  other.name = "beside it";
+  other.area.min_z = world.regions[1].area.max_z = 0;
+  world.regions.push_back(other);
+  for (int i = 0; i < 4; ++i) testing::put(world, testing::ball, {25, 30.0 + 2 * i, 0});
+  return world;
+}
+
 }  // namespace
 
 TEST_CASE("a server tells its level in every status, and at once to who is new") {
-  WorldDefinition world = testing::flat_world(2);
-  for (int i = 0; i < 4; ++i) testing::put(world, testing::ball, {25, 30.0 + 2 * i, 0});
+  const WorldDefinition world = corner_world();
   RegionCore core(world, ours, Incarnation{1});
   core.level_from(1);
   core.peer_up(PeerId::region(theirs), Incarnation{1});
@@ -155,6 +165,19 @@ TEST_CASE("a server tells its level in every status, and at once to who is new")
     CHECK(told[0].now == (tick == term ? next : 0));
   }
   CHECK(next > 20);  // About four bodies awake.
+}
+
+TEST_CASE("a server of columns, where three never meet, tells of no level") {
+  WorldDefinition world = testing::flat_world(2);
+  for (int i = 0; i < 4; ++i) testing::put(world, testing::ball, {25, 30.0 + 2 * i, 0});
+  RegionCore core(world, ours, Incarnation{1});
+  core.level_from(1);
+  core.peer_up(PeerId::region(theirs), Incarnation{1});
+  for (std::int64_t tick = 1; tick <= 2 * term; ++tick)
+    for (const LoadLevels::Told& told : told_in(core, tick)) {
+      CHECK(told.now == 0);
+      CHECK((told.next == 0 || told.next == LoadLevels::unknown));
+    }
 }
 
 TEST_CASE("a status of a tick that cannot be is refused with a sentence") {
