@@ -1,7 +1,5 @@
 // One step of a region, in the order that the design lays down.
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <set>
 
 #include "protocol/wire.h"
@@ -27,18 +25,6 @@ constexpr std::int64_t blast_ahead_ticks_max = 2048;
 /// Effects and commands that may wait for a region that is away. Whoever is away for so long has
 /// more to catch up with than blasts; handoffs are not sent to it in the first place.
 constexpr std::size_t waiting_messages_max = 4096;
-
-/// Whether may_travel() is sure to hold, but for the position. Everybody who is awake is asked in
-/// every step, and nearly everybody is ordinary.
-bool is_ordinary(const BodyState& state, float speed2) {
-  constexpr float ordinary = 1000;  // m/s and rad/s
-  // Written so that what is not a number is not ordinary.
-  return speed2 <= ordinary * ordinary &&
-         state.angular_velocity.squaredNorm() <= ordinary * ordinary &&
-         std::abs(state.orientation.squaredNorm() - 1) <= 1e-3f && state.deactivation_time_s >= 0 &&
-         state.deactivation_time_s <= std::numeric_limits<float>::max() &&
-         state.activation <= Activation::asleep;
-}
 
 /// The n-th piece of `size` elements, empty past the end.
 template <class T>
@@ -243,27 +229,21 @@ void RegionCore::remove_strays(Tick) {
   std::vector<BodyId> strays;
   std::vector<PlayerId> fallen;
   fastest_ = {};
-  float fastest2 = 0;
   const Box3& bounds = world_.bounds;
   for (const auto& [id, prototype, state] : hosting_.physics().awake()) {
-    const float speed2 = state.linear_velocity.squaredNorm();
-    if (speed2 > fastest2) {
-      fastest2 = speed2;
-      fastest_.body = id;
-    }
+    if (const double speed = state.linear_velocity.norm(); speed > fastest_.speed_mps)
+      fastest_ = {id, speed};
     const Eigen::Vector3d p = state.position.vector();
     // Written so that a position that is not a number counts as outside. No other server would take
     // a state whose numbers have burst.
     const bool inside = (p.array() >= bounds.min.array()).all() &&
-                        (p.array() <= bounds.max.array()).all() &&
-                        (is_ordinary(state, speed2) || may_travel(state));
+                        (p.array() <= bounds.max.array()).all() && may_travel(state);
     if (inside) continue;
     if (id.kind() == BodyId::Kind::avatar && players_.is_avatar_here(id.player()))
       fallen.push_back(id.player());
     else
       strays.push_back(id);
   }
-  fastest_.speed_mps = std::sqrt(fastest2);
   for (PlayerId player : fallen) players_.respawn(player, static_cast<std::uint16_t>(player.value));
   hosting_.remove(strays);
   for (BodyId id : strays) players_.forget(id);

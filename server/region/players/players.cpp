@@ -295,6 +295,7 @@ void Players::accept(std::vector<Avatar> avatars, std::span<const BodyId> arrive
     moved_.erase(player);
     // Until it has been looked at here: it came because others are near.
     avatar.company = true;
+    // Nobody honest holds anything back for longer.
     avatar.held_until = std::min(avatar.held_until, now + wind_up_ticks_);
     avatars_.insert_or_assign(player, std::move(avatar));
     apply_waiting(player, now, room, out);
