@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 
 #include "server/worlds/injector.h"
 
@@ -13,10 +14,11 @@ namespace {
 /// Of each rule so many are told in words; the rest are counted.
 constexpr int told_max = 3;
 
-/// Handoffs in the journals of `core` that hold any of `ids` and were sealed in this step.
+/// Handoffs in the journals of `core` that hold anybody who `has_left` and were sealed in this
+/// step.
 std::vector<Departure> departures_of(const RegionCore& core, RegionId self,
-                                     const WorldDefinition& world, const std::set<BodyId>& ids,
-                                     Tick tick) {
+                                     const WorldDefinition& world,
+                                     const std::function<bool(BodyId)>& has_left, Tick tick) {
   std::vector<Departure> found;
   for (std::uint16_t other = 0; other < world.regions.size(); ++other) {
     if (other == self.value) continue;
@@ -25,7 +27,7 @@ std::vector<Departure> departures_of(const RegionCore& core, RegionId self,
       auto group = decode_handoff(entry.payload, world.prototypes.size(), world.statics.size());
       if (!group || tick - group->tick > 1) continue;
       const bool ours = std::any_of(group->bodies.begin(), group->bodies.end(),
-                                    [&](const auto& b) { return ids.contains(b.body.id); });
+                                    [&](const auto& b) { return has_left(b.body.id); });
       if (ours) found.push_back({self, RegionId{other}, std::move(*group)});
     }
   }
@@ -72,10 +74,17 @@ std::vector<Departure> OwnershipOracle::stepped(const SimulatedServer& from, Tic
   std::vector<Departure> departures;
   std::set<BodyId> unexplained(went.begin(), went.end());
   if (counts.migrations_out != server.counts.migrations_out) {
-    departures = departures_of(core, from.self(), world_, unexplained, tick);
+    // Who is born and handed over in one step was never seen here.
+    const auto has_left = [&](BodyId id) {
+      return unexplained.contains(id) || !bodies_.contains(id);
+    };
+    departures = departures_of(core, from.self(), world_, has_left, tick);
     for (const Departure& departure : departures) {
       largest_ = std::max<std::uint64_t>(largest_, departure.group.bodies.size());
-      for (const auto& b : departure.group.bodies) unexplained.erase(b.body.id);
+      for (const auto& b : departure.group.bodies) {
+        unexplained.erase(b.body.id);
+        if (!bodies_.contains(b.body.id)) left_at_birth(b.body.id, from, tick);
+      }
     }
   }
   const bool on_purpose = counts.removed - server.counts.removed >= unexplained.size();
@@ -107,6 +116,14 @@ std::vector<Departure> OwnershipOracle::stepped(const SimulatedServer& from, Tic
   server.counts = counts;
   server.hosted.assign(now_hosted.begin(), now_hosted.end());
   return departures;
+}
+
+void OwnershipOracle::left_at_birth(BodyId id, const SimulatedServer& server, Tick tick) {
+  Record& record = bodies_[id];
+  record.born = record.missing_since = tick;
+  record.last_owner = server.self();
+  record.last_incarnation = server.incarnation();
+  missing_.insert(id);
 }
 
 void OwnershipOracle::gained(BodyId id, const SimulatedServer& server, Tick tick) {

@@ -72,6 +72,7 @@ class OwnershipOracle {
     Hosting::Counts counts;
     std::uint64_t conflicts = 0;
   };
+  void left_at_birth(BodyId id, const SimulatedServer& server, Tick tick);
   void gained(BodyId id, const SimulatedServer& server, Tick tick);
   bool meets_settled(BodyId id, RegionId from, const SimulatedServer& server, Tick tick) const;
   bool in_a_journal(BodyId id, std::span<const SimulatedServer> servers) const;

@@ -181,6 +181,29 @@ TEST_CASE("what was born an instant before its server was killed is rolled back,
   REQUIRE(result.bodies_rolled_back == 1);
 }
 
+TEST_CASE("what is born and handed over in one step was born there and then, and has left") {
+  WorldDefinition world = layout_world("column2");
+  world.mode = MigrationMode::naive;
+  Injector across{.name = "across", .rate_per_s = 1, .duration_s = 1.5};
+  across.volume.min = across.volume.max = {-0.05, 1.5, 0};
+  across.velocity_min = across.velocity_max = {20, 0, 0};
+  across.mix = {{sphere_prototype, 1}};
+  world.injectors = {across};
+  Simulation simulation({std::move(world), "test", 0}, calm(1.5));
+  const Tick birth{63};
+  while (simulation.now() < birth) simulation.tick();
+  // Until the message arrives nobody has seen the body after its first step.
+  simulation.network().stall(0, 1, 1'300'000);
+  simulation.tick();
+  const BodyId body = BodyId::injected(0, 0);
+  REQUIRE(simulation.ownership().born(body) == birth);
+  while (simulation.now().value < 90) simulation.tick();
+  const SeedResult result = simulation.finish();
+  REQUIRE(simulation.ownership().born(body) == birth);
+  REQUIRE(result.bodies_lost == 0);
+  REQUIRE(result.migrations == 1);
+}
+
 TEST_CASE("more than two changes of owner in any second are too many") {
   OwnerChanges changes;
   REQUIRE(changes.add({BodyId::world(1), Tick{10}, RegionId{0}, RegionId{1}}) == 1);
