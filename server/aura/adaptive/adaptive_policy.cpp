@@ -38,6 +38,11 @@ constexpr double strip_m = 12;
 /// Going home is never urgent.
 constexpr std::int64_t homecoming_interval_ticks = 4;
 
+/// How far from its body an aura reaches within the tolerances, 1 m of body included.
+double longest_aura_m(const AuraTolerances& tolerances) {
+  return tolerances.speed_mps * reach_time_s(tolerances) + 1;
+}
+
 class AdaptivePolicy final : public MigrationPolicy {
  public:
   explicit AdaptivePolicy(const AuraTolerances& tolerances)
@@ -45,7 +50,6 @@ class AdaptivePolicy final : public MigrationPolicy {
         outlook_(reach_time_s(tolerances)),
         contests_(tolerances) {
     visitors_.set_tolerances(tolerances);
-    homecoming_.set_tolerances(tolerances);
   }
 
   std::int64_t interval_ticks() const override { return decision_ticks; }
@@ -56,7 +60,6 @@ class AdaptivePolicy final : public MigrationPolicy {
     outlook_.set_reach(reach_time_s(tolerances));
     contests_.set_tolerances(tolerances);
     visitors_.set_tolerances(tolerances);
-    homecoming_.set_tolerances(tolerances);
   }
 
   MigrationDecision decide(const MigrationSituation& s) override {
@@ -102,14 +105,19 @@ class AdaptivePolicy final : public MigrationPolicy {
   using Pulls = std::map<std::pair<RegionId, RegionId>, std::set<BodyId>>;
   using Leaving = std::map<RegionId, std::vector<BodyId>>;
 
-  /// Whether clusters that may have to go are all shown. What goes home looks for itself.
+  /// Whether clusters that may have to go are all shown. Those that go home are: they are outside
+  /// of the region.
   bool sees_enough(const MigrationSituation& s) {
     if (s.view == nullptr) return true;
     for (const HandoverRequest& request : s.requested)
       if (const auto body = outlook_.stage().number_of(request.body)) clusters_.of(*body);
     // So far only of what is asked for or meets others' auras is the cluster known.
-    for (Clusters::Number cluster = 0; cluster < clusters_.size(); ++cluster)
-      if (!clusters_.is_shown(cluster, longest_aura_m_)) return false;
+    for (std::uint32_t i = 0; i < outlook_.size(); ++i) {
+      if (!clusters_.known(i)) continue;
+      AuraBox reach = outlook_.box(i);
+      reach.half.array() += longest_aura_m_;
+      if (!s.view->shows(reach)) return false;
+    }
     return true;
   }
 

@@ -60,11 +60,6 @@ inline double reach_time_s(const AuraTolerances& tolerances) {
   return static_cast<double>(reach_ticks(tolerances)) * (tick_us / 1e6);
 }
 
-/// How far from its body an aura reaches within the tolerances, 1 m of body included.
-inline double longest_aura_m(const AuraTolerances& tolerances) {
-  return tolerances.speed_mps * reach_time_s(tolerances) + 1;
-}
-
 /// Hosts of auras are told of what lies so near to them (m), and as far as their bodies can get in
 /// the reach time (auras grow in one step when something comes in the way of a body): so far a body
 /// gets while the one server hears of an aura and tells of its own.

@@ -54,16 +54,6 @@ Clusters::Number Clusters::of(std::uint32_t body) {
   return number;
 }
 
-bool Clusters::is_shown(Number cluster, double aura_m) const {
-  if (situation_->view == nullptr) return true;
-  const auto& members = clusters_[cluster].members;
-  return std::all_of(members.begin(), members.end(), [&](std::uint32_t member) {
-    AuraBox reach = outlook_->box(member);
-    reach.half.array() += aura_m;
-    return situation_->view->shows(reach);
-  });
-}
-
 bool Clusters::has_moved(Number cluster, std::int64_t ticks) const {
   const auto& members = clusters_[cluster].members;
   return std::any_of(members.begin(), members.end(), [&](std::uint32_t member) {

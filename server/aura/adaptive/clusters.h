@@ -31,10 +31,6 @@ class Clusters {
     return clusters_[cluster].members;
   }
 
-  /// Whether everything is shown that stands no further than `aura_m` from the auras of the
-  /// cluster: none of it may belong to the cluster otherwise.
-  bool is_shown(Number cluster, double aura_m) const;
-
   /// Whether it has been sent away in this tick.
   bool sent(Number cluster) const { return clusters_[cluster].sent; }
   void note_sent(Number cluster) { clusters_[cluster].sent = true; }

@@ -6,6 +6,7 @@
 
 #include "server/aura/adaptive/aura_size.h"
 #include "server/aura/adaptive/contests.h"
+#include "server/aura/adaptive/load_balance.h"
 
 namespace aureole {
 namespace {
@@ -66,18 +67,21 @@ bool Homecoming::stirs(BodyId id) const {
   return at != unrest_.end() && at->first == id;
 }
 
-RegionId Homecoming::home_of_body(std::uint32_t body) const {
-  return lines_.home_of(outlook_->body(body).position, outlook_->rests(body));
+/// The region that it lies in; or its host's, if that has less to do and it lies near to it.
+RegionId Homecoming::belongs_to(std::uint32_t body) const {
+  const WorldPosition& at = outlook_->body(body).position;
+  const RegionId host = situation_->self, here = situation_->map.region_at(at.x, at.z);
+  const std::span<const double> awake = situation_->awake;
+  if (here == host || awake.empty()) return here;
+  const double kept_m = line_shift_m({awake[here.value], 0}, {awake[host.value], 0});
+  return situation_->map.area(host).distance(at.x, at.z) < kept_m ? host : here;
 }
 
 bool Homecoming::is_away(std::uint32_t body) const {
   const WorldPosition& at = outlook_->body(body).position;
-  const Rectangle& area = situation_->map.area(situation_->self);
-  if (home_of_body(body) == situation_->self) return false;
-  // What is given away lies inside.
-  return area.contains(at.x, at.z) ||
-         area.distance(at.x, at.z) >
-             (outlook_->rests(body) ? resting_hysteresis_m : home_hysteresis_m);
+  return situation_->map.area(situation_->self).distance(at.x, at.z) >
+             (outlook_->rests(body) ? resting_hysteresis_m : home_hysteresis_m) &&
+         belongs_to(body) != situation_->self;
 }
 
 /// Room for what it may do soon if nothing turns it.
@@ -171,7 +175,7 @@ bool Homecoming::may_leave(std::uint32_t i, bool contested) {
 /// The region that most of the cluster's bodies belong to; the lower number on a tie.
 RegionId Homecoming::home_of(Clusters::Number cluster) const {
   std::map<RegionId, std::size_t> holds;
-  for (const std::uint32_t member : clusters_->members(cluster)) ++holds[home_of_body(member)];
+  for (const std::uint32_t member : clusters_->members(cluster)) ++holds[belongs_to(member)];
   return std::max_element(holds.begin(), holds.end(),
                           [](auto& a, auto& b) { return a.second < b.second; })
       ->first;
@@ -204,9 +208,7 @@ bool Homecoming::add_met(std::uint32_t body, RegionId home, std::vector<std::uin
 /// Whether the cluster could go home if all that it meets came along.
 bool Homecoming::look_around(Clusters::Number cluster, RegionId home, const Contests& contests,
                              std::vector<std::uint32_t>& met) {
-  if (clusters_->sent(cluster) || home_of(cluster) != home ||
-      !clusters_->is_shown(cluster, longest_aura_m_))
-    return false;
+  if (clusters_->sent(cluster) || home_of(cluster) != home) return false;
   // A copy: whoever is found may have to come on the stage.
   const auto span = clusters_->members(cluster);
   const std::vector<std::uint32_t> members(span.begin(), span.end());
@@ -248,7 +250,6 @@ std::vector<Homecoming::Pocket> Homecoming::pockets(const MigrationSituation& s,
   situation_ = &s;
   outlook_ = &outlook;
   clusters_ = &clusters;
-  lines_.look(s);
   bool known = false;
   judged_.clear();
   pockets_ = no_pocket;

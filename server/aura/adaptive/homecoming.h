@@ -7,9 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/aura/adaptive/aura_size.h"
 #include "server/aura/adaptive/clusters.h"
-#include "server/aura/adaptive/home_lines.h"
 #include "server/aura/adaptive/outlook.h"
 #include "server/aura/migration_policy.h"
 
@@ -23,18 +21,14 @@ class Contests;
 
 /// What lies outside of its host's region goes home (section 3.5 of the paper) where nobody would
 /// fetch it back at once: all that would soon meet each other together, a pocket, and only if
-/// nothing of it soon meets what stays here, or what is hosted by a third server. Where home is
-/// depends a little on who has less to do (home_lines.h).
+/// nothing of it soon meets what stays here, or what is hosted by a third server. A server that has
+/// less to do keeps what lies near to it (line_shift_m()).
 class Homecoming {
  public:
   struct Pocket {
     std::vector<Clusters::Number> clusters;
     RegionId home;
   };
-
-  void set_tolerances(const AuraTolerances& tolerances) {
-    longest_aura_m_ = longest_aura_m(tolerances);
-  }
 
   /// Once a tick, before pockets(): remembers who stirs.
   void note_unrest(const MigrationSituation& situation, Outlook& outlook);
@@ -44,7 +38,7 @@ class Homecoming {
 
  private:
   bool stirs(BodyId id) const;
-  RegionId home_of_body(std::uint32_t body) const;
+  RegionId belongs_to(std::uint32_t body) const;
   bool is_away(std::uint32_t body) const;
   AuraBox room_of(std::uint32_t body) const;
   void find_stirrers();
@@ -63,8 +57,6 @@ class Homecoming {
   const MigrationSituation* situation_ = nullptr;  ///< Within pockets().
   Outlook* outlook_ = nullptr;
   Clusters* clusters_ = nullptr;
-  double longest_aura_m_ = 0;
-  HomeLines lines_;
   bool nothing_moves_ = false;  ///< Here for quiet_ticks, nor what others project.
   /// When each body last moved or expected a blow, if lately; ascending. And as of the last tick.
   std::vector<std::pair<BodyId, Tick>> unrest_, before_;

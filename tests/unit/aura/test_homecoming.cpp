@@ -1,6 +1,4 @@
 // Who goes home, with whom, and what holds them back.
-#include <utility>
-
 #include "tests/support/catch.h"
 #include "tests/unit/aura/adaptive_scene.h"
 
@@ -83,50 +81,4 @@ TEST_CASE("a pile stays whole while any of it settles, a layer on the ground doe
     scene.hosted.back().changed_owner = Tick{-10};
     REQUIRE(going_home(scene) == (piled ? names({}) : names({0, 1})));
   }
-}
-
-namespace {
-
-/// One body at home near the line to a server that has had less to do for seconds; what becomes of
-/// it.
-MigrationDecision given_away(Scene scene) {
-  scene.map = PartitionMap({{-inf, -inf, 10, 0}, {10, -inf, inf, 0}, {-inf, 0, inf, inf}});
-  scene.awake = {1000, 900, 1000};
-  const auto policy = make_adaptive_policy(AuraTolerances{});
-  for (int tick = 0; tick < 1600; tick += 4) {
-    const std::vector<HostedBody> hosted = std::exchange(scene.hosted, {});
-    scene.decide(*policy, Tick{tick});
-    scene.hosted = hosted;
-  }
-  return scene.decide(*policy, Tick{1600});
-}
-
-}  // namespace
-
-TEST_CASE("a server that has more to do gives away what stirs near the line, its cluster whole") {
-  Scene scene;
-  scene.hosted = {awake_at(0, 8, -100), awake_at(1, 7.3, -100), awake_at(2, 2, -100)};
-  for (HostedBody& body : scene.hosted) body.motion_speed_mps = 0.2;
-  const auto decision = given_away(scene);
-  REQUIRE(decision.leaving.size() == 1);
-  REQUIRE(decision.leaving[0].to == RegionId{1});
-  REQUIRE(decision.leaving[0].bodies == names({0, 1}));
-}
-
-TEST_CASE("nothing is given away that rests, that has just come, or that is not shown as a whole") {
-  Scene scene;
-  scene.hosted = {awake_at(0, 8, -100)};
-  REQUIRE(given_away(scene).leaving.size() == 1);
-  SECTION("rests") {
-    scene.hosted[0].asleep = true;
-  }
-  SECTION("has just come") {
-    scene.hosted[0].changed_owner = Tick{1590};
-  }
-  SECTION("is not shown as a whole") {
-    const RightPart near_the_line(5);
-    scene.view = &near_the_line;
-    REQUIRE(given_away(scene).leaving.empty());
-  }
-  if (scene.view == nullptr) REQUIRE(given_away(scene).leaving.empty());
 }
