@@ -162,7 +162,7 @@ void OwnershipOracle::gained(BodyId id, const SimulatedServer& server, Tick tick
               fmt::format("{} changed its owner {} times within a second, now from r{} to r{}",
                           describe(id), changes, record.last_owner.value, self.value));
   }
-  record.removed = record.lost = false;
+  record.removed = record.lost = record.may_vanish = false;
   record.owner = record.last_owner = self;
   record.last_incarnation = server.incarnation();
   missing_.erase(id);
@@ -192,7 +192,11 @@ void OwnershipOracle::crashed(RegionId region, Tick tick) {
   for (auto& [id, record] : bodies_) {
     if (record.removed && record.removed_by == region && tick - record.removed_at <= rollback_ticks)
       record.may_return = true;
-    if (record.owner != region) continue;
+    const bool hosted = record.owner == region;
+    // Handed over, and nobody has been seen to have it: the message may have died with its journal.
+    const bool on_its_way = !record.owner && !record.removed && record.last_owner == region &&
+                            record.last_incarnation == servers_[region.value].incarnation;
+    if (!hosted && !on_its_way) continue;
     record.owner.reset();
     record.missing_since = tick;
     record.may_vanish = tick - record.born <= rollback_ticks;

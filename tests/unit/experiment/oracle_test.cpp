@@ -23,6 +23,19 @@ WorldDefinition collision(MigrationMode mode) {
   return world;
 }
 
+/// Two servers, and a body that is born at tick 63 so near to the boundary, and so fast, that it is
+/// handed over in that very step.
+WorldDefinition born_across_the_boundary() {
+  WorldDefinition world = layout_world("column2");
+  world.mode = MigrationMode::naive;
+  Injector across{.name = "across", .rate_per_s = 1, .duration_s = 1.5};
+  across.volume.min = across.volume.max = {-0.05, 1.5, 0};
+  across.velocity_min = across.velocity_max = {20, 0, 0};
+  across.mix = {{sphere_prototype, 1}};
+  world.injectors = {across};
+  return world;
+}
+
 bool told_of(const SeedResult& result, const std::string& rule) {
   return std::any_of(result.violations.begin(), result.violations.end(),
                      [&](const Violation& v) { return v.rule == rule; });
@@ -182,14 +195,7 @@ TEST_CASE("what was born an instant before its server was killed is rolled back,
 }
 
 TEST_CASE("what is born and handed over in one step was born there and then, and has left") {
-  WorldDefinition world = layout_world("column2");
-  world.mode = MigrationMode::naive;
-  Injector across{.name = "across", .rate_per_s = 1, .duration_s = 1.5};
-  across.volume.min = across.volume.max = {-0.05, 1.5, 0};
-  across.velocity_min = across.velocity_max = {20, 0, 0};
-  across.mix = {{sphere_prototype, 1}};
-  world.injectors = {across};
-  Simulation simulation({std::move(world), "test", 0}, calm(1.5));
+  Simulation simulation({born_across_the_boundary(), "test", 0}, calm(1.5));
   const Tick birth{63};
   while (simulation.now() < birth) simulation.tick();
   // Until the message arrives nobody has seen the body after its first step.
@@ -202,6 +208,35 @@ TEST_CASE("what is born and handed over in one step was born there and then, and
   REQUIRE(simulation.ownership().born(body) == birth);
   REQUIRE(result.bodies_lost == 0);
   REQUIRE(result.migrations == 1);
+}
+
+TEST_CASE("what was handed over in the step of its birth is rolled back with the message") {
+  Simulation simulation({born_across_the_boundary(), "test", 0}, calm(1.5));
+  while (simulation.now().value < 63) simulation.tick();
+  simulation.network().stall(0, 1, 1'300'000);
+  simulation.tick();
+  REQUIRE(simulation.ownership().born(BodyId::injected(0, 0)) == Tick{63});
+  simulation.kill(0, true, {});
+  while (simulation.now().value < 90) simulation.tick();
+  const SeedResult result = simulation.finish();
+  REQUIRE(result.bodies_lost == 0);
+  REQUIRE(result.bodies_rolled_back == 1);
+}
+
+TEST_CASE("what was handed over long after its birth is lost with the message") {
+  WorldDefinition world = layout_world("column2");
+  world.mode = MigrationMode::naive;
+  const BodyId ball = put_body(world, sphere_prototype, {-8, 0.3, 0}, {20, 0, 0});
+  Simulation simulation({std::move(world), "test", 0}, calm(1.5));
+  while (simulation.now().value < 20) simulation.tick();
+  REQUIRE(simulation.server(0).core().hosting().hosts(ball));
+  simulation.network().stall(0, 1, 1'300'000);
+  while (simulation.server(0).core().hosting().hosts(ball)) simulation.tick();
+  simulation.kill(0, true, {});
+  while (simulation.now().value < 90) simulation.tick();
+  const SeedResult result = simulation.finish();
+  REQUIRE(result.bodies_lost == 1);
+  REQUIRE(result.bodies_rolled_back == 0);
 }
 
 TEST_CASE("more than two changes of owner in any second are too many") {
