@@ -11,6 +11,35 @@ constexpr std::int64_t absent_ticks = 8;
 
 }  // namespace
 
+/// Notes who leans on other stand-ins than before: both lists ascend.
+void StandInWatch::note_cut(std::span<const BodyId> stand_ins, Tick now) {
+  auto present = stand_ins.begin();
+  for (const auto& [who, pair] : pairs_) {
+    while (present != stand_ins.end() && *present < who.first) ++present;
+    const bool is_gone = present == stand_ins.end() || *present != who.first;
+    if (is_gone && pair.last == last_look_) cut_anew_[who.second] = now;
+  }
+  last_look_ = now;
+  auto known = stand_ins_.begin();
+  for (const BodyId id : stand_ins) {
+    while (known != stand_ins_.end() && *known < id) ++known;
+    if (known == stand_ins_.end() || *known != id) fresh_[id] = now;
+  }
+  stand_ins_.assign(stand_ins.begin(), stand_ins.end());
+  std::erase_if(fresh_, [&](const auto& f) { return now - f.second >= settling_ticks; });
+  if (fresh_.empty()) return;
+  for (const StandInLoad& load : loads_)
+    if (const auto at = fresh_.find(load.stand_in); at != fresh_.end()) {
+      Tick& since = cut_anew_.try_emplace(load.body, at->second).first->second;
+      since = std::max(since, at->second);
+    }
+}
+
+bool StandInWatch::may_shift(BodyId body, Tick now) const {
+  const auto at = cut_anew_.find(body);
+  return at != cut_anew_.end() && now - at->second < settling_ticks;
+}
+
 void StandInWatch::judge(const StandInLoad& load, Tick now, bool still, double mass_kg) {
   const auto [at, fresh] = pairs_.try_emplace({load.stand_in, load.body});
   Pair& pair = at->second;
@@ -27,15 +56,22 @@ void StandInWatch::judge(const StandInLoad& load, Tick now, bool still, double m
   }
   if (rise_mps <= pressed_mps) return;
   pressed_[load.body] = now + pressed_ticks;
-  if (rise_mps <= missed_mps || pair.struck) return;
+  if (still && rise_mps < blow_mps && may_shift(load.body, now)) {
+    pair.shifted_ns = std::max(pair.shifted_ns, load.impulse_ns);
+    return;
+  }
+  const double struck_mps =
+      double{load.impulse_ns - std::max(pair.base_ns, pair.shifted_ns)} / mass_kg;
+  if (struck_mps <= missed_mps || pair.struck) return;
   pair.struck = true;
   ++struck_;
-  struck_now_.push_back({load.stand_in, load.body, now, rise_mps});
+  struck_now_.push_back({load.stand_in, load.body, now, struck_mps});
 }
 
 void StandInWatch::forget(Tick now) {
   std::erase_if(pairs_, [&](const auto& p) { return now - p.second.last > absent_ticks; });
   std::erase_if(pressed_, [&](const auto& p) { return p.second < now; });
+  std::erase_if(cut_anew_, [&](const auto& p) { return now - p.second >= settling_ticks; });
 }
 
 bool StandInWatch::is_pressed(BodyId body, Tick now) const {

@@ -18,13 +18,20 @@ namespace aureole {
 /// not show it. What tells is its load: the impulse of one step between it and a body of ours. What
 /// a resting body put on it when the two were cut is the base; a rise above that by more than the
 /// stand-in's mass × `missed_mps` is a missed interaction.
+///
+/// A load may also rise without a blow. What leans on several stand-ins and loses one of them,
+/// since that one is a body again, or has gone, leans on the others: in a heap with its whole
+/// weight and that of what lies on it, from one step to the next, while nothing moves. What gets
+/// another one is held between things that do not give way. Whoever lies still is pressed then, so
+/// that both sides come together, but has struck nothing.
 class StandInWatch {
  public:
   /// The body would not count as still any more: a weaker blow leaves it at rest.
   static constexpr double missed_mps = still_speed_mps;
   /// A pair whose load rises by so much already counts as moving, and is brought together.
   static constexpr double pressed_mps = 0.025;
-  /// Of a pair that rests: how long its load may find its level after the cut.
+  /// Of a pair that rests: how long its load may find its level after the cut, and again when the
+  /// body has lost or got another stand-in.
   static constexpr std::int64_t settling_ticks = 16;
   /// No load that finds its level rises by so much in one step: a blow, even then.
   static constexpr double blow_mps = 1.0;
@@ -36,6 +43,7 @@ class StandInWatch {
     loads_.clear();
     struck_now_.clear();
     if (!physics.stand_in_ids().empty()) physics.stand_in_loads(loads_);
+    note_cut(physics.stand_in_ids(), now);
     for (const StandInLoad& load : loads_)
       judge(load, now, still(load.body), mass_kg(load.stand_in));
     forget(now);
@@ -61,13 +69,20 @@ class StandInWatch {
     bool cut_at_rest = false;
     bool struck = false;
     float base_ns = 0;
+    float shifted_ns = 0;  ///< What it bore at most while load shifted to it.
   };
+  void note_cut(std::span<const BodyId> stand_ins, Tick now);
+  bool may_shift(BodyId body, Tick now) const;
   void judge(const StandInLoad& load, Tick now, bool still, double mass_kg);
   void forget(Tick now);
 
   std::vector<StandInLoad> loads_;
   std::map<std::pair<BodyId, BodyId>, Pair> pairs_;
-  std::map<BodyId, Tick> pressed_;  ///< Until when.
+  std::map<BodyId, Tick> pressed_;   ///< Until when.
+  std::map<BodyId, Tick> cut_anew_;  ///< When the stand-ins that each leans on changed.
+  std::vector<BodyId> stand_ins_;    ///< As of the last look; ascending.
+  std::map<BodyId, Tick> fresh_;     ///< Of these, since when, if not for long.
+  Tick last_look_;
   std::uint64_t struck_ = 0;
   std::vector<Struck> struck_now_;
 };

@@ -14,6 +14,7 @@ namespace {
 constexpr PrototypeId ball{0}, box{1}, heavy_box{2};
 const BodyId stand_in = BodyId::world(0);
 const BodyId ours = BodyId::world(1);
+const BodyId second = BodyId::world(2);
 
 std::vector<BodyDefinition> definitions() {
   std::vector<BodyDefinition> table(3);
@@ -50,6 +51,13 @@ struct Watched {
     body.state.linear_velocity = velocity;
     physics.add({&body, 1});
   }
+  /// Another box of another server's.
+  void put_second(WorldPosition at) {
+    NewBody other{second, box, {}};
+    other.state.position = at;
+    physics.add_stand_ins({&other, 1});
+  }
+  void lose_second() { physics.remove_stand_ins(std::span(&second, 1), Wake::touching); }
   /// Puts the body where it was not before, as fast as said.
   void throw_from(WorldPosition at, Eigen::Vector3f velocity) {
     BodyState state = physics.state(ours);
@@ -82,6 +90,18 @@ Watched cut_at_rest(PrototypeId prototype = box) {
   Watched scene;
   scene.add(prototype, {0, 1, 0});
   scene.still.insert(ours);
+  return scene;
+}
+
+/// A box of 10 kg that has lain still on two stand-ins; the first one alone carries it, too.
+Watched on_two_stand_ins() {
+  Watched scene;
+  scene.put_second({1, 0, 0});
+  scene.add(heavy_box, {0.4, 1, 0});
+  scene.still.insert(ours);
+  scene.step(40);
+  REQUIRE(scene.watch.struck() == 0);
+  REQUIRE_FALSE(scene.watch.is_pressed(ours, scene.now));
   return scene;
 }
 
@@ -187,6 +207,65 @@ TEST_CASE("a blow is a blow even while the load of a cut pair finds its level") 
   CHECK(scene.watch.struck() == 1);
   REQUIRE(scene.all_struck.size() == 1);
   CHECK(scene.all_struck[0].tick == scene.now);
+}
+
+TEST_CASE("what leans on two stand-ins and loses one leans on the other, and strikes nothing") {
+  Watched scene = on_two_stand_ins();
+  scene.lose_second();
+  scene.step(4);
+  CHECK(scene.watch.is_pressed(ours, scene.now));
+  CHECK(scene.watch.struck() == 0);
+  // What it bears from now on is no blow either, but what comes on top of it is.
+  scene.step(60);
+  CHECK(scene.watch.struck() == 0);
+  scene.step(1, push_for(0.3));
+  CHECK(scene.watch.struck() == 1);
+}
+
+TEST_CASE("a load that shifts strikes if the body moves, or long after it lost a stand-in") {
+  Watched moving = on_two_stand_ins();
+  moving.still.clear();
+  moving.lose_second();
+  moving.step(4);
+  CHECK(moving.watch.struck() == 1);
+
+  Watched late = on_two_stand_ins();
+  late.lose_second();
+  late.step(static_cast<int>(StandInWatch::settling_ticks) + 1);
+  late.step(2, push_for(0.3));
+  CHECK(late.watch.struck() == 1);
+}
+
+TEST_CASE("what leans on a stand-in and gets another one may find its level anew") {
+  const auto struck_after = [](std::int64_t ticks) {
+    Watched scene;
+    scene.add(heavy_box, {0.4, 1, 0});
+    scene.still.insert(ours);
+    scene.step(40);
+    scene.put_second({1, 0, 0});
+    scene.step(static_cast<int>(ticks));
+    scene.step(1, push_for(1.2));  // On two stand-ins.
+    CHECK(scene.watch.is_pressed(ours, scene.now));
+    return scene.watch.struck();
+  };
+  CHECK(struck_after(3) == 0);
+  CHECK(struck_after(StandInWatch::settling_ticks + 1) > 0);
+}
+
+TEST_CASE("a blow is a blow even where another stand-in has just been lost") {
+  Watched scene = on_two_stand_ins();
+  scene.lose_second();
+  scene.step(1, push_for(2 * StandInWatch::blow_mps));
+  CHECK(scene.watch.struck() == 1);
+}
+
+TEST_CASE("a stand-in that is lost excuses only those who leant on it") {
+  Watched scene = cut_at_rest();
+  scene.put_second({1.2, 0, 0});  // Beside the first one, and nobody's support.
+  scene.step(40);
+  scene.lose_second();
+  scene.step(1, push_for(0.3));
+  CHECK(scene.watch.struck() == 1);
 }
 
 TEST_CASE("a pair that was apart for a moment is the same pair; one that was gone begins anew") {
