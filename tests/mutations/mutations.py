@@ -471,6 +471,15 @@ MUTATIONS = [
         ((REGION, "a level is kept while fewer bodies more are awake than hang together"),),
     ),
     Mutation(
+        "shifted-load",
+        "a load that shifts because the cut has changed counts as a blow",
+        "server/region/stand_ins/stand_in_watch.cpp",
+        "  if (still && rise_mps < blow_mps && may_shift(load.body, now)) {",
+        "  if (still && rise_mps < 0 && may_shift(load.body, now)) {",
+        ((REGION, "what leans on two stand-ins and loses one leans on the other, and strikes nothing"),
+         (REGION, "what leans on a stand-in and gets another one may find its level anew")),
+    ),
+    Mutation(
         "hasty-arrival",
         "an idle player who has just come throws before anybody near has heard",
         "server/region/players/players.cpp",
