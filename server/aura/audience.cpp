@@ -28,7 +28,9 @@ RegionSet audience_of(const PartitionMap& map, RegionId host, const WorldPositio
                       centre.z - reach_m >= home.min_z && centre.z + reach_m < home.max_z;
   if (inside) return told;
   const auto& near = map.neighbours(host);
-  for (const RegionId reached : map.regions_within(centre.x, centre.z, reach_m)) {
+  for (std::uint16_t k = 0; k < map.size(); ++k) {
+    const RegionId reached{k};
+    if (map.area(reached).distance(centre.x, centre.z) > reach_m) continue;
     told.add(reached);
     for (const RegionId around : map.neighbours(reached)) told.add(around);
     if (reached == host || std::binary_search(near.begin(), near.end(), reached)) continue;

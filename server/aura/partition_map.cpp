@@ -19,7 +19,8 @@ double overlap(double a_min, double a_max, double b_min, double b_max) {
 double Rectangle::distance(double x, double z) const {
   const double dx = std::max({min_x - x, x - max_x, 0.0});
   const double dz = std::max({min_z - z, z - max_z, 0.0});
-  return std::hypot(dx, dz);
+  // Lengths in a world neither burst nor vanish when they are squared.
+  return std::sqrt(dx * dx + dz * dz);
 }
 
 double Rectangle::distance(const Rectangle& other) const {

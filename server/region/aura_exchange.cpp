@@ -203,8 +203,8 @@ Result<Tick> AuraExchange::receive(RegionId from, std::span<const std::byte> pay
 std::vector<HandoverRequest> AuraExchange::take_in() {
   if (!changed_) return {};
   std::map<BodyId, HandoverRequest> requested;
-  remote_.clear();
-  const auto by_id = [](const RemoteAura& a, const RemoteAura& b) { return a.id < b.id; };
+  told_.clear();
+  const auto by_id = [](const Told& a, const Told& b) { return a.id < b.id; };
   for (auto& [id, peer] : peers_) {
     for (const HandoverRequest& pull : peer.pulls) {
       const HandoverRequest heard{pull.body, pull.to, id};
@@ -213,14 +213,17 @@ std::vector<HandoverRequest> AuraExchange::take_in() {
     }
     peer.pulls.clear();
     if (peer.theirs.empty()) continue;
+    told_by_one_.clear();
+    for (const RemoteAura& aura : peer.theirs) told_by_one_.push_back({aura.id, &aura});
     // Of equal ones the merge puts those first that were there: the lower number's.
-    const auto middle = static_cast<std::ptrdiff_t>(remote_.size());
-    remote_.insert(remote_.end(), peer.theirs.begin(), peer.theirs.end());
-    if (middle > 0)
-      std::inplace_merge(remote_.begin(), remote_.begin() + middle, remote_.end(), by_id);
+    told_before_.swap(told_);
+    told_.resize(told_before_.size() + told_by_one_.size());
+    std::merge(told_before_.begin(), told_before_.end(), told_by_one_.begin(), told_by_one_.end(),
+               told_.begin(), by_id);
   }
-  const auto same = [](const RemoteAura& a, const RemoteAura& b) { return a.id == b.id; };
-  remote_.erase(std::unique(remote_.begin(), remote_.end(), same), remote_.end());
+  remote_.clear();
+  for (const Told& told : told_)
+    if (remote_.empty() || remote_.back().id != told.id) remote_.push_back(*told.aura);
   std::vector<HandoverRequest> requests;
   for (const auto& [body, request] : requested) requests.push_back(request);
   return requests;

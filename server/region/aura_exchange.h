@@ -134,8 +134,14 @@ class AuraExchange {
   static SharedBytes frame_for(Peer& peer, const std::vector<HandoverRequest>& pulls, Tick now,
                                const AuraBodies& bodies);
 
+  /// Auras themselves are too large to be sorted.
+  struct Told {
+    BodyId id;
+    const RemoteAura* aura = nullptr;
+  };
   std::map<RegionId, Peer> peers_;
   std::vector<RemoteAura> remote_;
+  std::vector<Told> told_, told_before_, told_by_one_;  ///< Only used within take_in().
   std::vector<RestingNews> resting_news_;
   bool changed_ = true;
 };

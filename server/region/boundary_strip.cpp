@@ -21,23 +21,19 @@ void BoundaryStrip::note(std::span<const RemoteAura> remote, double depth_m) {
             area_.max_z - depth_m};
   visited_ = false;
   double high_x = 0, high_z = 0;
-  const auto reaches_in = [&](const AuraBox& box, double x, double z) {
-    return inner_.overlaps(box.centre.x() - x, box.centre.z() - z, box.centre.x() + x,
-                           box.centre.z() + z);
-  };
-  const auto around = [&](const RemoteAura& aura) {
-    const AuraBox box = aura.room.box();
-    return std::pair(box.half.x() + depth_m, box.half.z() + depth_m);
-  };
+  reached_.clear();
   for (const RemoteAura& aura : remote) {
-    const auto [x, z] = around(aura);
-    if (!reaches_in(aura.room.box(), x, z)) continue;
-    const Eigen::Vector3d& at = aura.room.centre;
-    low_x_ = visited_ ? std::min(low_x_, at.x() - x) : at.x() - x;
-    low_z_ = visited_ ? std::min(low_z_, at.z() - z) : at.z() - z;
-    high_x = visited_ ? std::max(high_x, at.x() + x) : at.x() + x;
-    high_z = visited_ ? std::max(high_z, at.z() + z) : at.z() + z;
+    const AuraBox box = aura.room.box();
+    const double x = box.half.x() + depth_m, z = box.half.z() + depth_m;
+    const Rectangle wide{box.centre.x() - x, box.centre.z() - z, box.centre.x() + x,
+                         box.centre.z() + z};
+    if (!inner_.overlaps(wide.min_x, wide.min_z, wide.max_x, wide.max_z)) continue;
+    low_x_ = visited_ ? std::min(low_x_, wide.min_x) : wide.min_x;
+    low_z_ = visited_ ? std::min(low_z_, wide.min_z) : wide.min_z;
+    high_x = visited_ ? std::max(high_x, wide.max_x) : wide.max_x;
+    high_z = visited_ ? std::max(high_z, wide.max_z) : wide.max_z;
     visited_ = true;
+    reached_.push_back(wide);
   }
   if (!visited_) return;
   // Wider than this nobody comes in; then everything counts.
@@ -47,15 +43,11 @@ void BoundaryStrip::note(std::span<const RemoteAura> remote, double depth_m) {
     marked_.clear();
     return;
   }
-  marked_.assign(static_cast<std::size_t>(columns_ * rows_), false);
-  for (const RemoteAura& aura : remote) {
-    const auto [x, z] = around(aura);
-    if (!reaches_in(aura.room.box(), x, z)) continue;
-    const Eigen::Vector3d& at = aura.room.centre;
-    const std::int64_t last = column(at.x() + x);
-    for (std::int64_t r = row(at.z() - z); r <= row(at.z() + z); ++r)
-      for (std::int64_t c = column(at.x() - x); c <= last; ++c)
-        marked_[static_cast<std::size_t>(r * columns_ + c)] = true;
+  marked_.assign(static_cast<std::size_t>(columns_ * rows_), 0);
+  for (const Rectangle& wide : reached_) {
+    const std::int64_t first = column(wide.min_x), last = column(wide.max_x);
+    for (std::int64_t r = row(wide.min_z), end = row(wide.max_z); r <= end; ++r)
+      std::fill_n(marked_.begin() + (r * columns_ + first), last - first + 1, std::uint8_t{1});
   }
 }
 
@@ -82,7 +74,7 @@ bool BoundaryStrip::shows(const AuraBox& room) const {
 bool BoundaryStrip::is_marked(std::int64_t c, std::int64_t r) const {
   if (marked_.empty()) return true;
   return c >= 0 && c < columns_ && r >= 0 && r < rows_ &&
-         marked_[static_cast<std::size_t>(r * columns_ + c)];
+         marked_[static_cast<std::size_t>(r * columns_ + c)] != 0;
 }
 
 }  // namespace aureole

@@ -39,7 +39,8 @@ class BoundaryStrip final : public View {
   bool visited_ = false;
   double low_x_ = 0, low_z_ = 0;
   std::int64_t columns_ = 0, rows_ = 0;
-  std::vector<bool> marked_;
+  std::vector<std::uint8_t> marked_;  ///< Bytes: several squares of a row are set at once.
+  std::vector<Rectangle> reached_;    ///< Only used within note().
 };
 
 }  // namespace aureole

@@ -9,6 +9,7 @@
 #include "server/aura/migration_policy.h"
 #include "server/base/check.h"
 #include "server/base/hash.h"
+#include "server/base/leap.h"
 
 namespace aureole {
 namespace {
@@ -87,18 +88,9 @@ void Hosting::bring_in_order() {
 
 Hosting::Record& Hosting::record_in_order(BodyId id) {
   // Often the next one; if few are looked at, far ahead.
-  std::size_t step = 1;
-  while (next_ + step < in_order_.size() && in_order_[next_ + step].id < id) {
-    next_ += step;
-    step *= 2;
-  }
-  const auto from = in_order_.begin() + static_cast<std::ptrdiff_t>(next_);
-  const auto to =
-      in_order_.begin() + static_cast<std::ptrdiff_t>(std::min(next_ + step + 1, in_order_.size()));
-  next_ = static_cast<std::size_t>(
-      std::lower_bound(from, to, id,
-                       [](const Entry& entry, BodyId key) { return entry.id < key; }) -
-      in_order_.begin());
+  const auto found = leap(in_order_.begin() + static_cast<std::ptrdiff_t>(next_), in_order_.end(),
+                          id, [](const Entry& entry, BodyId key) { return entry.id < key; });
+  next_ = static_cast<std::size_t>(found - in_order_.begin());
   AUREOLE_CHECK(next_ < in_order_.size() && in_order_[next_].id == id,
                 "bodies are looked at in the order of their ids");
   return *in_order_[next_].record;

@@ -182,6 +182,7 @@ class RegionCore {
   void apply_blasts(Tick now);
   void remove_strays(Tick now);
   bool decides_at(Tick now) const;
+  void find_remote_auras();
   void migrate(Tick now);
   std::vector<BodyId> stirred_bodies(Tick now) const;
   std::span<const HostedBody> look_at_hosted(Tick now, bool whole);
@@ -241,7 +242,9 @@ class RegionCore {
   std::vector<double> awake_everywhere_;  ///< By region, smoothed; 0: not heard of.
   LoadLevels load_levels_;
   std::size_t largest_cluster_ = 0;       ///< As of the last decision, if it was asked.
-  std::vector<RemoteAura> remote_auras_;  ///< Of bodies that are not hosted here.
+  /// Of bodies that are not hosted here; valid within migrate().
+  std::span<const RemoteAura> remote_auras_;
+  std::vector<RemoteAura> others_auras_;  ///< Kept for its memory.
   PlayerOutput player_output_;
   std::vector<Outgoing> outbox_;
   /// For each injector, how many it had made; not counted if it may not inject here.

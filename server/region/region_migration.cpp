@@ -1,10 +1,13 @@
 // A region's decisions on who hosts what: what the policy is told, and what becomes of its answer.
 #include <algorithm>
+#include <functional>
+#include <iterator>
 #include <map>
 #include <set>
 
 #include "server/aura/adaptive/aura_size.h"
 #include "server/aura/audience.h"
+#include "server/base/leap.h"
 #include "server/region/region_core.h"
 
 namespace aureole {
@@ -198,18 +201,30 @@ bool RegionCore::decides_at(Tick now) const {
   return !started_ || now.value / interval != last_tick_.value / interval;
 }
 
+/// What is said of a body that has come to us since is out of date. Seldom is there any.
+void RegionCore::find_remote_auras() {
+  const std::span<const RemoteAura> told = aura_exchange_.remote();
+  const std::span<const BodyId> ours = hosting_.physics().ids();
+  auto at = ours.begin();  // Both ascend.
+  const auto is_ours = [&](const RemoteAura& aura) {
+    at = leap(at, ours.end(), aura.id, std::less<>{});
+    return at != ours.end() && *at == aura.id;
+  };
+  remote_auras_ = told;
+  const auto first = std::find_if(told.begin(), told.end(), is_ours);
+  if (first == told.end()) return;
+  others_auras_.assign(told.begin(), first);
+  at = ours.begin();
+  std::copy_if(first, told.end(), std::back_inserter(others_auras_),
+               [&](const RemoteAura& aura) { return !is_ours(aura); });
+  remote_auras_ = others_auras_;
+}
+
 void RegionCore::migrate(Tick now) {
   if (!decides_at(now)) return;
   // Most of a world sleeps most of the time; what was decided then still holds.
   if (nothing_stirs(now)) return;
-  remote_auras_.clear();
-  // What is said of a body that has come to us since is out of date. Both ascend.
-  const std::span<const BodyId> ours = hosting_.physics().ids();
-  auto at = ours.begin();
-  for (const RemoteAura& aura : aura_exchange_.remote()) {
-    at = std::lower_bound(at, ours.end(), aura.id);
-    if (at == ours.end() || *at != aura.id) remote_auras_.push_back(aura);
-  }
+  find_remote_auras();
   const MigrationDecision decision = decide(now);
   enter(StepProfile::Part::aura);
   for (const Migration& migration : decision.leaving)

@@ -94,16 +94,16 @@ struct ReplicaPublisher::Round {
 
 /// False: there is no room left. More would not fit a frame together with everybody's motion; the
 /// rest comes a tick later.
-bool ReplicaPublisher::send_key(Round& round, const NewBody& body) const {
+bool ReplicaPublisher::send_key(Round& round, const NewBody& body, const Published& as) {
   if (round.keys.size() >= keys_per_update) return false;
-  const Published& published = bodies_.at(body.id);
-  round.keys.push_back(make_key(body, published.version, published.slot));
+  round.keys.push_back(make_key(body, as.version, as.slot));
   return true;
 }
 
 bool ReplicaPublisher::send_key(Round& round, BodyId id) const {
   return round.keys.size() < keys_per_update &&
-         send_key(round, NewBody{id, round.world.prototype(id), round.world.state(id)});
+         send_key(round, NewBody{id, round.world.prototype(id), round.world.state(id)},
+                  bodies_.at(id));
 }
 
 /// Tells of those below `before` that have fallen asleep or came asleep.
@@ -131,13 +131,13 @@ void ReplicaPublisher::look_at_sleepers(Round& round, BodyId before) {
 }
 
 /// A body that is awake, and known to be.
-void ReplicaPublisher::follow(Round& round, const NewBody& body, Followed& followed) const {
+void ReplicaPublisher::follow(Round& round, const NewBody& body, Followed& followed) {
   const auto position = quantise(body.state.position);
   const auto orientation = quantise(body.state.orientation);
-  if ((round.now.value + followed.slot) % key_interval_ticks == 0) {
-    if (!send_key(round, body)) return;
+  if ((round.now.value + followed.as.slot) % key_interval_ticks == 0) {
+    if (!send_key(round, body, followed.as)) return;
   } else if (position != followed.position || orientation != followed.orientation) {
-    const std::array<std::uint8_t, 3> slot = wire_slot(followed.slot);
+    const std::array<std::uint8_t, 3> slot = wire_slot(followed.as.slot);
     flatbuffers::span<const std::uint8_t, 3> s(slot.data(), 3);
     flatbuffers::span<const std::uint8_t, 9> p(position.data(), 9);
     flatbuffers::span<const std::uint8_t, 6> q(orientation.data(), 6);
@@ -165,8 +165,9 @@ SharedBytes ReplicaPublisher::update(Tick now, const PhysicsWorld& world,
     const bool due = next_due < due_.size() && due_[next_due] == body.id;
     if (due) ++next_due;
     // It is new, or it has woken up: then it is in neither list.
-    if (send_key(round, body))
-      still_followed_.push_back({body.id, bodies_.at(body.id).slot, false,
+    const Published& as = bodies_.at(body.id);
+    if (send_key(round, body, as))
+      still_followed_.push_back({body.id, as, false,
                                  quantise(body.state.position), quantise(body.state.orientation)});
     else if (due)
       round.still_due.push_back(body.id);

@@ -64,7 +64,7 @@ class ReplicaPublisher {
   /// A body that gateways take for awake, and the pose they have of it.
   struct Followed {
     BodyId id;
-    std::uint32_t slot = 0;
+    Published as;
     bool lost = false;  ///< It is here no longer, or under another slot.
     QuantisedPosition position{};
     QuantisedOrientation orientation{};
@@ -72,8 +72,8 @@ class ReplicaPublisher {
   std::uint32_t take_slot();
   struct Round;  ///< One update in work.
   void look_at_sleepers(Round& round, BodyId before);
-  void follow(Round& round, const NewBody& body, Followed& followed) const;
-  bool send_key(Round& round, const NewBody& body) const;
+  static void follow(Round& round, const NewBody& body, Followed& followed);
+  static bool send_key(Round& round, const NewBody& body, const Published& as);
   bool send_key(Round& round, BodyId id) const;
 
   std::unordered_map<BodyId, Published> bodies_;

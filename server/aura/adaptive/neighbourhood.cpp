@@ -13,9 +13,10 @@ void Neighbourhood::begin(const MigrationSituation& situation, const Outlook& ou
   clusters_ = &clusters;
   of_cluster_.clear();
   rooms_of_hosts_.assign(situation.map.size(), {});
-  for (const RemoteAura& aura : situation.remote) {
-    std::optional<AuraBox>& all = rooms_of_hosts_[aura.host.value];
-    all = all ? joined(*all, aura.room.box()) : aura.room.box();
+  for (std::size_t k = 0; k < situation.remote.size(); ++k) {
+    std::optional<AuraBox>& all = rooms_of_hosts_[situation.remote[k].host.value];
+    const AuraBox& room = outlook.remote_boxes()[k];
+    all = all ? joined(*all, room) : room;
   }
 }
 

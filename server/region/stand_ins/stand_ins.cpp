@@ -17,7 +17,7 @@ void StandIns::note(BodyId id, const Entry& entry) {
   if (entry.vouched)
     unvouched_.erase(id);
   else
-    unvouched_.insert(id);
+    unvouched_[id] = entry.since;
 }
 
 void StandIns::drop(BodyId id) {
@@ -67,7 +67,7 @@ void StandIns::forget_bodies() {
   if (entries_.size() == physics_.stand_in_ids().size()) return;
   const auto is_none = [&](BodyId id) { return !physics_.is_stand_in(id); };
   std::erase_if(entries_, [&](const auto& entry) { return is_none(entry.first); });
-  std::erase_if(unvouched_, is_none);
+  std::erase_if(unvouched_, [&](const auto& unvouched) { return is_none(unvouched.first); });
 }
 
 void StandIns::take(std::span<const RestingNews> news, Tick now) {
@@ -108,8 +108,8 @@ void StandIns::tidy(std::span<const RemoteAura> remote, Tick now) {
   std::vector<BodyId> down;
   for (const RemoteAura& aura : remote)
     if (aura.left_its_place && entries_.contains(aura.id)) down.push_back(aura.id);
-  for (BodyId id : unvouched_)
-    if (now - entries_.at(id).since > grace_ticks) down.push_back(id);
+  for (const auto& [id, since] : unvouched_)
+    if (now - since > grace_ticks) down.push_back(id);
   std::sort(down.begin(), down.end());
   down.erase(std::unique(down.begin(), down.end()), down.end());
   for (BodyId id : down) drop(id);

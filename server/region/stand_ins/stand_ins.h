@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <map>
-#include <set>
 #include <span>
 #include <vector>
 
@@ -60,7 +59,8 @@ class StandIns {
 
   PhysicsWorld& physics_;
   std::map<BodyId, Entry> entries_;
-  std::set<BodyId> unvouched_;  ///< Those of `entries_`; most of a heap that rests is vouched for.
+  /// Those of `entries_`, and since when; most of a heap that rests is vouched for.
+  std::map<BodyId, Tick> unvouched_;
 };
 
 }  // namespace aureole
