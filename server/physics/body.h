@@ -94,11 +94,4 @@ struct StandInLoad {
   friend bool operator==(const StandInLoad&, const StandInLoad&) = default;
 };
 
-/// What passes between a body and something else that is no static geometry.
-struct ContactLoad {
-  BodyId other;
-  bool stand_in = false;
-  float impulse_ns = 0;  ///< Along the normals, of one manifold, in the last step (N s).
-};
-
 }  // namespace aureole

@@ -106,8 +106,4 @@ void PhysicsWorld::stand_in_loads(std::vector<StandInLoad>& out) const {
   for (const BulletBody* stand_in : impl_->stand_ins.bodies) append_loads(*stand_in, out);
 }
 
-void PhysicsWorld::contact_loads(BodyId id, std::vector<ContactLoad>& out) const {
-  find_loads(impl_->body(id), out);
-}
-
 }  // namespace aureole

@@ -115,9 +115,6 @@ class PhysicsWorld {
   /// Appends what presses on stand-ins after the last step, for each stand-in and each *awake* body
   /// that share contact points; what is appended is sorted by (stand_in, body).
   void stand_in_loads(std::vector<StandInLoad>& out) const;
-  /// Replaces `out` by what passes between the body and each body or stand-in that it shares
-  /// contact points with; in no order, and compound shapes more than once.
-  void contact_loads(BodyId id, std::vector<ContactLoad>& out) const;
 
   /// Gives pairs of bodies, stand-ins and static geometry the contacts they had in the world they
   /// come from, sleeping or not, instead of those they have. Call after add(); a pair that no

@@ -241,7 +241,7 @@ class RegionCore {
   HostedBodies hosted_bodies_;
   std::vector<double> awake_everywhere_;  ///< By region, smoothed; 0: not heard of.
   LoadLevels load_levels_;
-  std::size_t largest_cluster_ = 0;  ///< As of the last decision, if it was asked.
+  std::size_t largest_cluster_ = 0;       ///< As of the last decision, if it was asked.
   /// Of bodies that are not hosted here; valid within migrate().
   std::span<const RemoteAura> remote_auras_;
   std::vector<RemoteAura> others_auras_;  ///< Kept for its memory.

@@ -13,10 +13,6 @@
 namespace aureole {
 namespace {
 
-/// Who has been still for so long has not moved in the last step: bodies are looked at when
-/// decisions are made.
-constexpr std::uint8_t moved_lately_ticks = 2 * decision_ticks;
-
 /// What the policy may ask of contacts.
 class Touching final : public ContactSource {
  public:
@@ -156,7 +152,6 @@ std::span<const HostedBody> RegionCore::look_at_hosted(Tick now, bool whole) {
 void RegionCore::watch_stand_ins(Tick now) {
   stand_in_watch_.look(
       hosting_.physics(), now, [&](BodyId body) { return hosting_.lies_still(body, now); },
-      [&](BodyId body) { return hosting_.still_ticks(body, now) < moved_lately_ticks; },
       [&](BodyId stand_in) {
         const PrototypeId prototype = hosting_.physics().stand_in(stand_in).prototype;
         return double{hosting_.definitions()[prototype.value].mass_kg};

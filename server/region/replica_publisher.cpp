@@ -167,8 +167,8 @@ SharedBytes ReplicaPublisher::update(Tick now, const PhysicsWorld& world,
     // It is new, or it has woken up: then it is in neither list.
     const Published& as = bodies_.at(body.id);
     if (send_key(round, body, as))
-      still_followed_.push_back(
-          {body.id, as, false, quantise(body.state.position), quantise(body.state.orientation)});
+      still_followed_.push_back({body.id, as, false,
+                                 quantise(body.state.position), quantise(body.state.orientation)});
     else if (due)
       round.still_due.push_back(body.id);
   }

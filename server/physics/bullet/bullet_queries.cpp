@@ -52,13 +52,6 @@ float squared_distance_to_box(const btVector3& p, const btVector3& low, const bt
 }
 
 /// The body or stand-in that `body` shares a manifold with; null for static geometry.
-float impulse_of(const btPersistentManifold& manifold) {
-  float sum = 0;
-  for (int p = 0; p < manifold.getNumContacts(); ++p)
-    sum += manifold.getContactPoint(p).getAppliedImpulse();
-  return sum;
-}
-
 const BulletBody* other_of(const btPersistentManifold& manifold, const BulletBody& body) {
   return body_of(manifold.getBody0() == &body.rigid ? manifold.getBody1() : manifold.getBody0());
 }
@@ -109,7 +102,10 @@ void append_loads(const BulletBody& stand_in, std::vector<StandInLoad>& loads) {
     if (manifold->getNumContacts() == 0) continue;
     const BulletBody* body = other_of(*manifold, stand_in);
     if (!body || !body->rigid.isActive()) continue;
-    loads.push_back({stand_in.id, body->id, impulse_of(*manifold)});
+    float sum = 0;
+    for (int p = 0; p < manifold->getNumContacts(); ++p)
+      sum += manifold->getContactPoint(p).getAppliedImpulse();
+    loads.push_back({stand_in.id, body->id, sum});
   }
   // A compound pair has several manifolds. Sums of floats depend on their order: that of the sums
   // themselves is the same however the manifolds stand.
@@ -125,15 +121,6 @@ void append_loads(const BulletBody& stand_in, std::vector<StandInLoad>& loads) {
       *++last = *next;
   }
   if (last != loads.end()) loads.erase(last + 1, loads.end());
-}
-
-void find_loads(const BulletBody& body, std::vector<ContactLoad>& loads) {
-  loads.clear();
-  for (const btPersistentManifold* manifold : body.manifolds) {
-    if (manifold->getNumContacts() == 0) continue;
-    const BulletBody* other = other_of(*manifold, body);
-    if (other) loads.push_back({other->id, other->role == Role::stand_in, impulse_of(*manifold)});
-  }
 }
 
 bool has_support(BulletWorld& world, const BulletBody& body, float min_up) {

@@ -20,8 +20,6 @@ std::vector<BodyId> bodies_touching(BulletWorld& world, const BulletBody& body);
 std::size_t find_touching(const BulletBody& body, std::vector<std::uint32_t>& found);
 /// Appends what awake bodies press on a stand-in with, ascending by their ids.
 void append_loads(const BulletBody& stand_in, std::vector<StandInLoad>& loads);
-/// Replaces `loads` by what passes through each of the body's manifolds that has points.
-void find_loads(const BulletBody& body, std::vector<ContactLoad>& loads);
 bool has_support(BulletWorld& world, const BulletBody& body, float min_up);
 std::vector<BodyId> bodies_in_sphere(BulletWorld& world, const WorldPosition& centre, float radius);
 std::optional<RayHit> nearest_hit(BulletWorld& world, const WorldPosition& from,

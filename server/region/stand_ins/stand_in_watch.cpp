@@ -40,20 +40,7 @@ bool StandInWatch::may_shift(BodyId body, Tick now) const {
   return at != cut_anew_.end() && now - at->second < settling_ticks;
 }
 
-void StandInWatch::note_shift(const StandInLoad& load) {
-  Pair& pair = pairs_.at({load.stand_in, load.body});
-  pair.shifted_ns = std::max(pair.shifted_ns, load.impulse_ns);
-}
-
-void StandInWatch::note_struck(const StandInLoad& load, Tick now, double rise_mps) {
-  pairs_.at({load.stand_in, load.body}).struck = true;
-  ++struck_;
-  struck_now_.push_back({load.stand_in, load.body, now, rise_mps});
-}
-
-/// By how much the load has risen that is not its base (m/s of the stand-in); 0 for what has found
-/// its level, or has counted already. Notes who is pressed.
-double StandInWatch::rise(const StandInLoad& load, Tick now, bool still, double mass_kg) {
+void StandInWatch::judge(const StandInLoad& load, Tick now, bool still, double mass_kg) {
   const auto [at, fresh] = pairs_.try_emplace({load.stand_in, load.body});
   Pair& pair = at->second;
   if (fresh) {
@@ -65,16 +52,20 @@ double StandInWatch::rise(const StandInLoad& load, Tick now, bool still, double 
   const bool settling = pair.cut_at_rest && now - pair.first < settling_ticks;
   if (settling && (fresh || rise_mps < blow_mps)) {
     pair.base_ns = std::max(pair.base_ns, load.impulse_ns);
-    return 0;
+    return;
   }
-  if (rise_mps <= pressed_mps) return 0;
+  if (rise_mps <= pressed_mps) return;
   pressed_[load.body] = now + pressed_ticks;
   if (still && rise_mps < blow_mps && may_shift(load.body, now)) {
-    note_shift(load);
-    return 0;
+    pair.shifted_ns = std::max(pair.shifted_ns, load.impulse_ns);
+    return;
   }
-  if (pair.struck) return 0;
-  return double{load.impulse_ns - std::max(pair.base_ns, pair.shifted_ns)} / mass_kg;
+  const double struck_mps =
+      double{load.impulse_ns - std::max(pair.base_ns, pair.shifted_ns)} / mass_kg;
+  if (struck_mps <= missed_mps || pair.struck) return;
+  pair.struck = true;
+  ++struck_;
+  struck_now_.push_back({load.stand_in, load.body, now, struck_mps});
 }
 
 void StandInWatch::forget(Tick now) {

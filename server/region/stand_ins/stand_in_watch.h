@@ -11,7 +11,6 @@
 #include "server/base/ids.h"
 #include "server/base/tick.h"
 #include "server/physics/physics_world.h"
-#include "server/region/stand_ins/load_path.h"
 
 namespace aureole {
 
@@ -23,10 +22,8 @@ namespace aureole {
 /// A load may also rise without a blow. What leans on several stand-ins and loses one of them,
 /// since that one is a body again, or has gone, leans on the others: in a heap with its whole
 /// weight and that of what lies on it, from one step to the next, while nothing moves. What gets
-/// another one is held between things that do not give way. And a heap in which everything lies
-/// still may find another balance at any time: what no load comes to from anything that has moved
-/// (load_path.h) was not struck. Whoever lies still is pressed then, so that both sides come
-/// together, but has struck nothing.
+/// another one is held between things that do not give way. Whoever lies still is pressed then, so
+/// that both sides come together, but has struck nothing.
 class StandInWatch {
  public:
   /// The body would not count as still any more: a weaker blow leaves it at rest.
@@ -40,17 +37,15 @@ class StandInWatch {
   static constexpr double blow_mps = 1.0;
   static constexpr std::int64_t pressed_ticks = 32;
 
-  /// `still`: whether the body on our side lies still; `moved`: whether a body may have moved in
-  /// the last step; `mass_kg` of the stand-in's prototype.
-  template <class IsStill, class HasMoved, class MassOf>
-  void look(const PhysicsWorld& physics, Tick now, IsStill&& still, HasMoved&& moved,
-            MassOf&& mass_kg) {
+  /// `still`: whether the body on our side lies still; `mass_kg` of the stand-in's prototype.
+  template <class IsStill, class MassOf>
+  void look(const PhysicsWorld& physics, Tick now, IsStill&& still, MassOf&& mass_kg) {
     loads_.clear();
     struck_now_.clear();
     if (!physics.stand_in_ids().empty()) physics.stand_in_loads(loads_);
     note_cut(physics.stand_in_ids(), now);
     for (const StandInLoad& load : loads_)
-      judge(physics, load, now, still(load.body), mass_kg(load.stand_in), moved);
+      judge(load, now, still(load.body), mass_kg(load.stand_in));
     forget(now);
   }
 
@@ -78,22 +73,9 @@ class StandInWatch {
   };
   void note_cut(std::span<const BodyId> stand_ins, Tick now);
   bool may_shift(BodyId body, Tick now) const;
-  template <class HasMoved>
-  void judge(const PhysicsWorld& physics, const StandInLoad& load, Tick now, bool still,
-             double mass_kg, HasMoved&& moved) {
-    const double rise_mps = rise(load, now, still, mass_kg);
-    if (rise_mps <= missed_mps) return;
-    const bool no_blow =
-        still && rise_mps < blow_mps &&
-        load_path_.is_balance(physics, load, static_cast<float>(rise_mps * mass_kg), moved);
-    no_blow ? note_shift(load) : note_struck(load, now, rise_mps);
-  }
-  double rise(const StandInLoad& load, Tick now, bool still, double mass_kg);
-  void note_shift(const StandInLoad& load);
-  void note_struck(const StandInLoad& load, Tick now, double rise_mps);
+  void judge(const StandInLoad& load, Tick now, bool still, double mass_kg);
   void forget(Tick now);
 
-  LoadPath load_path_;
   std::vector<StandInLoad> loads_;
   std::map<std::pair<BodyId, BodyId>, Pair> pairs_;
   std::map<BodyId, Tick> pressed_;   ///< Until when.
