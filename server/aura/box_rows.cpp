@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "server/base/check.h"
+#include "server/base/merge_in.h"
 
 namespace aureole {
 namespace {
@@ -67,7 +68,7 @@ void BoxRows::settle() {
   std::sort(fresh_.begin(), fresh_.end(), IsBefore{});
   const auto middle = static_cast<std::ptrdiff_t>(entries_.size());
   entries_.insert(entries_.end(), fresh_.begin(), fresh_.end());
-  std::inplace_merge(entries_.begin(), entries_.begin() + middle, entries_.end(), IsBefore{});
+  merge_in(entries_, middle, IsBefore{});
   fresh_.clear();
   count_rows(entries_);
 }

@@ -15,27 +15,41 @@ bool by_ascending_id(const BulletBody* x, const BulletBody* y) {
 }  // namespace
 
 void BodyList::merge(std::span<BulletBody* const> sorted) {
-  const auto middle = static_cast<std::ptrdiff_t>(ids.size());
-  for (BulletBody* body : sorted) {
-    ids.push_back(body->id);
-    bodies.push_back(body);
+  // Both lists have the same order, and only the ids lie in a row: bodies are not looked at.
+  auto end = static_cast<std::ptrdiff_t>(ids.size());
+  ids.resize(ids.size() + sorted.size());
+  bodies.resize(ids.size());
+  for (auto behind = static_cast<std::ptrdiff_t>(sorted.size()); behind > 0; --behind) {
+    BulletBody* const body = sorted[static_cast<std::size_t>(behind - 1)];
+    const auto at = std::upper_bound(ids.begin(), ids.begin() + end, body->id) - ids.begin();
+    std::move_backward(ids.begin() + at, ids.begin() + end, ids.begin() + end + behind);
+    std::move_backward(bodies.begin() + at, bodies.begin() + end, bodies.begin() + end + behind);
+    ids[static_cast<std::size_t>(at + behind - 1)] = body->id;
+    bodies[static_cast<std::size_t>(at + behind - 1)] = body;
+    end = at;
   }
-  std::inplace_merge(ids.begin(), ids.begin() + middle, ids.end());
-  std::inplace_merge(bodies.begin(), bodies.begin() + middle, bodies.end(), by_ascending_id);
 }
 
 void BodyList::leave(std::span<BulletBody* const> sorted) {
-  // Both lists ascend: one walk takes the group out of either.
-  const auto walk = [&](auto& list, auto id_of) {
-    auto next = sorted.begin();
-    std::erase_if(list, [&](const auto& entry) {
-      if (next == sorted.end() || id_of(entry) != (*next)->id) return false;
-      ++next;
-      return true;
-    });
+  // What lies between two that leave moves down as one block.
+  auto from = ids.begin(), to = ids.begin();
+  const auto keep_until = [&](auto next) {
+    if (from != to) {
+      const auto first = from - ids.begin(), last = next - ids.begin(), place = to - ids.begin();
+      std::copy(bodies.begin() + first, bodies.begin() + last, bodies.begin() + place);
+      std::copy(from, next, to);
+    }
+    to += next - from;
   };
-  walk(ids, [](BodyId id) { return id; });
-  walk(bodies, [](const BulletBody* body) { return body->id; });
+  for (const BulletBody* body : sorted) {
+    const auto at = std::lower_bound(from, ids.end(), body->id);
+    if (at == ids.end() || *at != body->id) continue;
+    keep_until(at);
+    from = at + 1;
+  }
+  keep_until(ids.end());
+  bodies.resize(static_cast<std::size_t>(to - ids.begin()));
+  ids.erase(to, ids.end());
 }
 
 PhysicsWorld::Impl::Impl(const PhysicsSettings& settings, std::unique_ptr<ShapeLibrary> own,

@@ -6,6 +6,7 @@
 
 #include "protocol/wire.h"
 #include "protocol/wire_values.h"
+#include "server/base/merge_in.h"
 #include "server/region/aura_wire.h"
 #include "server/region/handoff/handoff.h"
 
@@ -87,7 +88,7 @@ void put_in(std::vector<RemoteAura>& auras, std::vector<RemoteAura> told) {
     else
       auras.push_back(told[i]);
   }
-  std::inplace_merge(auras.begin(), auras.begin() + known, auras.end(), by_id);
+  merge_in(auras, known, by_id);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "server/base/check.h"
 #include "server/base/hash.h"
 #include "server/base/leap.h"
+#include "server/base/merge_in.h"
 
 namespace aureole {
 namespace {
@@ -81,8 +82,7 @@ void Hosting::bring_in_order() {
   for (BodyId id : out_of_order_)
     if (const auto at = records_.find(id); at != records_.end())
       in_order_.push_back({id, &at->second});
-  std::inplace_merge(in_order_.begin(), in_order_.begin() + middle, in_order_.end(),
-                     [](const Entry& a, const Entry& b) { return a.id < b.id; });
+  merge_in(in_order_, middle, [](const Entry& a, const Entry& b) { return a.id < b.id; });
   changed_.swap(out_of_order_);
 }
 

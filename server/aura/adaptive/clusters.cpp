@@ -10,7 +10,7 @@ void Clusters::begin(const MigrationSituation& situation, Outlook& outlook) {
   outlook_ = &outlook;
   const auto hosted = situation.hosted;
   of_body_.assign(outlook.size(), none);
-  clusters_.clear();
+  count_ = 0;
   followers_.clear();
   for (std::uint32_t i = 0; i < hosted.size(); ++i) {
     if (hosted[i].leader == BodyId{}) continue;
@@ -33,19 +33,20 @@ void Clusters::add_companions(std::uint32_t body, std::vector<std::uint32_t>& fo
 
 Clusters::Number Clusters::of(std::uint32_t body) {
   if (const auto number = known(body)) return *number;
-  const Number number = clusters_.size();
-  auto& members = clusters_.emplace_back().members;
-  members.push_back(body);
+  const Number number = count_++;
+  if (clusters_.size() == number) clusters_.emplace_back();
+  clusters_[number].sent = false;
+  auto& members = clusters_[number].members;
+  members.assign(1, body);
   of_body_.resize(outlook_->size(), none);
   of_body_[body] = number;
-  std::vector<std::uint32_t> found;
   for (std::size_t k = 0; k < members.size(); ++k) {
     const std::uint32_t member = members[k];
-    found.clear();
-    outlook_->find_company(member, 0, found);
-    add_companions(member, found);
+    found_.clear();
+    outlook_->find_company(member, 0, found_);
+    add_companions(member, found_);
     of_body_.resize(outlook_->size(), none);
-    for (std::uint32_t other : found) {
+    for (std::uint32_t other : found_) {
       if (of_body_[other] != none) continue;
       of_body_[other] = number;
       members.push_back(other);

@@ -26,7 +26,7 @@ class Clusters {
   Number of(std::uint32_t body);
   /// The same if it has been asked for before.
   std::optional<Number> known(std::uint32_t body) const;
-  std::size_t size() const { return clusters_.size(); }
+  std::size_t size() const { return count_; }
   std::span<const std::uint32_t> members(Number cluster) const {
     return clusters_[cluster].members;
   }
@@ -49,7 +49,9 @@ class Clusters {
   const MigrationSituation* situation_ = nullptr;
   Outlook* outlook_ = nullptr;
   std::vector<Number> of_body_;
-  std::vector<Cluster> clusters_;
+  std::vector<Cluster> clusters_;  ///< The first `count_` of them; the others' memory is kept.
+  std::size_t count_ = 0;
+  std::vector<std::uint32_t> found_;  ///< Only used within of().
   std::map<std::uint32_t, std::vector<std::uint32_t>> followers_;
 };
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "server/base/merge_in.h"
+
 namespace aureole {
 
 void Stage::begin(const MigrationSituation& situation) {
@@ -122,9 +124,9 @@ std::span<const std::uint32_t> Stage::ascending() {
   const auto by_id = [&](std::uint32_t a, std::uint32_t b) {
     return bodies_[a]->id < bodies_[b]->id;
   };
-  const auto middle = ascending_.begin() + static_cast<std::ptrdiff_t>(situation_->hosted.size());
-  std::sort(middle, ascending_.end(), by_id);
-  std::inplace_merge(ascending_.begin(), middle, ascending_.end(), by_id);
+  const auto middle = static_cast<std::ptrdiff_t>(situation_->hosted.size());
+  std::sort(ascending_.begin() + middle, ascending_.end(), by_id);
+  merge_in(ascending_, middle, by_id);
   return ascending_;
 }
 
