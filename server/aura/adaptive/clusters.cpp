@@ -42,15 +42,20 @@ Clusters::Number Clusters::of(std::uint32_t body) {
   of_body_[body] = number;
   for (std::size_t k = 0; k < members.size(); ++k) {
     const std::uint32_t member = members[k];
-    found_.clear();
-    outlook_->find_company(member, 0, found_);
-    add_companions(member, found_);
-    of_body_.resize(outlook_->size(), none);
-    for (std::uint32_t other : found_) {
-      if (of_body_[other] != none) continue;
+    const auto take = [&](std::uint32_t other) {
       of_body_[other] = number;
       members.push_back(other);
-    }
+    };
+    found_.clear();
+    outlook_->find(outlook_->box(member), found_);
+    of_body_.resize(outlook_->size(), none);
+    // Most that are near a member are members: their auras need not be compared again.
+    for (const std::uint32_t other : found_)
+      if (of_body_[other] == none && outlook_->are_company(member, other)) take(other);
+    found_.clear();
+    add_companions(member, found_);
+    for (const std::uint32_t other : found_)
+      if (of_body_[other] == none) take(other);
   }
   return number;
 }

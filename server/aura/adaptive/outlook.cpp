@@ -80,16 +80,4 @@ void Outlook::look_at_others(std::span<const RemoteAura> remote) {
   remote_rows_.build(remote_boxes_);
 }
 
-void Outlook::find_company(std::uint32_t number, double clearance_m,
-                           std::vector<std::uint32_t>& found) {
-  const auto before = static_cast<std::ptrdiff_t>(found.size());
-  AuraBox box = stage_.box(number);
-  box.half.array() += clearance_m;
-  stage_.find(box, found);
-  const auto needs_no_company = [&](std::uint32_t other) {
-    return (rests(number) && rests(other)) || gap_m(aura(number), aura(other)) > clearance_m;
-  };
-  found.erase(std::remove_if(found.begin() + before, found.end(), needs_no_company), found.end());
-}
-
 }  // namespace aureole

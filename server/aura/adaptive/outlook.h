@@ -46,9 +46,10 @@ class Outlook {
   /// The fastest that it may soon move (m/s).
   double expected_mps(std::uint32_t number) const { return forecast_.expected(number); }
 
-  /// Appends whose auras come within `clearance_m` of the body's, except where both rest: who must
-  /// be hosted with it. The body itself may be among them.
-  void find_company(std::uint32_t number, double clearance_m, std::vector<std::uint32_t>& found);
+  /// Whether two must be hosted together: their auras overlap, and not both rest.
+  bool are_company(std::uint32_t a, std::uint32_t b) const {
+    return !(rests(a) && rests(b)) && overlap(aura(a), aura(b));
+  }
 
   /// Boxes around all auras of others, by index.
   std::span<const AuraBox> remote_boxes() const { return remote_boxes_; }

@@ -17,6 +17,8 @@ void Stage::begin(const MigrationSituation& situation) {
   admitted_.clear();
   ascending_.clear();
   number_in_slot_.clear();
+  touching_of_.clear();
+  touching_.clear();
 }
 
 void Stage::add(const HostedBody& body, const AuraCapsule& aura) {
@@ -105,16 +107,25 @@ void Stage::note_slots() {
   for (std::uint32_t i = 0; i < size(); ++i) number_in_slot_[body(i).slot] = i;
 }
 
-std::size_t Stage::find_touching(std::uint32_t number, std::vector<std::uint32_t>& found) {
+void Stage::look_up_touching(std::uint32_t number) {
   if (number_in_slot_.empty()) note_slots();
-  found.clear();
-  const std::size_t touched = situation_->contacts->find_touching(body(number).slot, slots_);
+  Touching answer{static_cast<std::uint32_t>(touching_.size()), 0, 0};
+  answer.touched = situation_->contacts->find_touching(body(number).slot, slots_);
   for (const std::uint32_t slot : slots_) {
     std::uint32_t& known = number_in_slot_[slot];
     if (known == none) known = number_of(situation_->contacts->body_in(slot)).value_or(none);
-    if (known != none) found.push_back(known);
+    if (known != none) touching_.push_back(known);
   }
-  return touched;
+  answer.end = static_cast<std::uint32_t>(touching_.size());
+  touching_of_[number] = answer;
+}
+
+std::size_t Stage::find_touching(std::uint32_t number, std::vector<std::uint32_t>& found) {
+  if (touching_of_.size() <= number) touching_of_.resize(size());
+  if (touching_of_[number].begin == none) look_up_touching(number);
+  const Touching& known = touching_of_[number];
+  found.assign(touching_.begin() + known.begin, touching_.begin() + known.end);
+  return known.touched;
 }
 
 std::span<const std::uint32_t> Stage::ascending() {

@@ -44,7 +44,7 @@ class Stage {
   std::optional<std::uint32_t> number_of(BodyId id);
   /// Replaces `found` by all that share a contact with the body, but for those awake that the
   /// decision is not shown; sleepers come on the stage, wherever they are. Returns how many it
-  /// touches; see ContactSource.
+  /// touches; see ContactSource. Who is asked for again has not changed since.
   std::size_t find_touching(std::uint32_t number, std::vector<std::uint32_t>& found);
 
   /// The numbers of all who are on it now, by their ids. Valid until somebody comes.
@@ -56,6 +56,7 @@ class Stage {
   std::uint32_t admit(Sleepers::Place place);
   std::uint32_t& number_at(Sleepers::Place place);
   void note_slots();
+  void look_up_touching(std::uint32_t number);
 
   const MigrationSituation* situation_ = nullptr;
   std::vector<const HostedBody*> bodies_;
@@ -74,6 +75,13 @@ class Stage {
   /// By HostedBody::slot; filled when contacts are first asked for.
   std::vector<std::uint32_t> number_in_slot_;
   std::vector<std::uint32_t> slots_;  ///< Only used within find_touching().
+  /// What find_touching() has answered: a stretch of `touching_`, and what it returned.
+  struct Touching {
+    std::uint32_t begin = none, end = 0;
+    std::size_t touched = 0;
+  };
+  std::vector<Touching> touching_of_;  ///< By number.
+  std::vector<std::uint32_t> touching_;
 };
 
 }  // namespace aureole
