@@ -40,4 +40,21 @@ RegionSet audience_of(const PartitionMap& map, RegionId host, const WorldPositio
   return told;
 }
 
+RegionSet audience_at_home(const PartitionMap& map, RegionId host, const WorldPosition& centre,
+                           double reach_m) {
+  AUREOLE_CHECK(map.size() <= RegionSet::capacity, "a world has at most 64 regions");
+  RegionSet told, others;
+  const auto& near = map.neighbours(host);
+  bool beyond_neighbours = false;
+  for (std::uint16_t k = 0; k < map.size(); ++k) {
+    const RegionId reached{k};
+    if (reached == host) continue;
+    others.add(reached);
+    if (map.area(reached).distance(centre.x, centre.z) > reach_m) continue;
+    told.add(reached);
+    if (!std::binary_search(near.begin(), near.end(), reached)) beyond_neighbours = true;
+  }
+  return beyond_neighbours ? others : told;
+}
+
 }  // namespace aureole

@@ -47,4 +47,10 @@ class RegionSet {
 RegionSet audience_of(const PartitionMap& map, RegionId host, const WorldPosition& centre,
                       double reach_m);
 
+/// Only those whose regions an aura at home reaches: enough where whoever has something abroad
+/// tells audience_of() it, and is told in return of what is near to it. One that reaches a region
+/// beyond the host's neighbours is told to everybody. Never to `host` itself.
+RegionSet audience_at_home(const PartitionMap& map, RegionId host, const WorldPosition& centre,
+                           double reach_m);
+
 }  // namespace aureole

@@ -67,8 +67,16 @@ MUTATIONS = [
         "server/aura/audience.cpp",
         "    for (const RegionId around : map.neighbours(reached)) told.add(around);\n",
         "",
-        ((AURA, "around a corner, servers that share no overlap*"),
+        ((AURA, "what lies abroad is told to all who may have something there"),
          (REGION, "Fig. 1, N and O*")),
+    ),
+    Mutation(
+        "home-audience",
+        "auras at home are told as far as they reach, not three times as far",
+        "server/aura/adaptive/adaptive_policy.cpp",
+        "audience_at_home(s.map, s.self, centre, home_audience_room * reach_m)",
+        "audience_at_home(s.map, s.self, centre, 1.0 * reach_m)",
+        ((AURA, "around a corner, servers that share no overlap*"),),
     ),
     Mutation(
         "manifold-transfer",

@@ -29,6 +29,12 @@ namespace {
 /// How much further than itself an aura is told of.
 constexpr double audience_room = 1.5;
 
+/// The same at home. Two boxes that overlap have their centres no further apart than twice the
+/// diagonal of the larger one's half: from there it reaches the other's region, even if they meet
+/// in a third one.
+constexpr double home_audience_room = 3;
+static_assert(home_audience_room * home_audience_room > 8);
+
 /// Nothing that happens farther away than this from the boundary and from others' bodies matters
 /// there within the reach time (m), but that clusters may reach further. A blow through touching
 /// bodies is the fastest thing there is: a ball into a row of ten moves six of them, 3.6 m, in its
@@ -149,6 +155,17 @@ class AdaptivePolicy final : public MigrationPolicy {
     }
   }
 
+  /// Who hears of an aura that is not inside our region, whatever is near to it: of what is abroad
+  /// all who may have something there; of what is at home those whom it may meet at their home.
+  /// Others come abroad to meet it, and tell us of what does.
+  static RegionSet audience(const MigrationSituation& s, const AuraBox& box) {
+    const WorldPosition centre = WorldPosition::from(box.centre);
+    const double reach_m = std::max(box.half.x(), box.half.z());
+    return s.map.area(s.self).contains(centre.x, centre.z)
+               ? audience_at_home(s.map, s.self, centre, home_audience_room * reach_m)
+               : audience_of(s.map, s.self, centre, audience_room * reach_m);
+  }
+
   /// Tells of each aura its audience, and the hosts of auras near it. Some room beyond the aura, so
   /// that whoever is about to be met has heard of it.
   void project(const MigrationSituation& s, MigrationDecision& decision) {
@@ -162,9 +179,7 @@ class AdaptivePolicy final : public MigrationPolicy {
       RegionSet told = visitors;
       const bool inside = home.holds(box.centre.x() - box.half.x(), box.centre.z() - box.half.z(),
                                      box.centre.x() + box.half.x(), box.centre.z() + box.half.z());
-      if (!inside)
-        told.add(audience_of(s.map, s.self, WorldPosition::from(box.centre),
-                             audience_room * std::max(box.half.x(), box.half.z())));
+      if (!inside) told.add(audience(s, box));
       told.remove(s.self);
       if (told.empty()) continue;
       ProjectedAura& aura = decision.projected.emplace_back();

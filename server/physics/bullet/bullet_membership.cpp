@@ -2,6 +2,7 @@
 // hand.
 #include <LinearMath/btAabbUtil2.h>
 
+#include "server/physics/bullet/address_order.h"
 #include "server/physics/bullet/bullet_queries.h"
 #include "server/physics/bullet/bullet_world.h"
 #include "server/physics/bullet/group_proxies.h"
@@ -47,29 +48,15 @@ void BulletWorld::insert_object(btCollisionObject& object, Mobility mobility) {
       &object, filter.group, filter.mask, &dispatcher_));
 }
 
-void BulletWorld::enter_moving(BulletBody& body) {
-  body.non_static_index = world_.moving().size();
-  world_.moving().push_back(&body.rigid);
-}
-
-void BulletWorld::leave_moving(BulletBody& body) {
-  auto& moving = world_.moving();
-  btRigidBody* last = moving[moving.size() - 1];
-  moving[body.non_static_index] = last;
-  body_of(last)->non_static_index = body.non_static_index;
-  moving.pop_back();
-  body.non_static_index = -1;
-}
-
 void BulletWorld::insert(BulletBody& body) {
   if (body.role == Role::obstacle) obstacles_.push_back(&body);
-  if (!body.immovable()) enter_moving(body);
+  if (!body.immovable()) put_in_address_order(world_.moving(), &body.rigid);
   insert_object(body.rigid, body.immovable() ? Mobility::fixed : Mobility::moving);
 }
 
 void BulletWorld::take_out(BulletBody& body) {
   if (body.role == Role::obstacle) std::erase(obstacles_, &body);
-  if (!body.immovable()) leave_moving(body);
+  if (!body.immovable()) take_from_address_order(world_.moving(), &body.rigid);
   world_.btCollisionWorld::removeCollisionObject(&body.rigid);
   body.marked = false;
 }

@@ -1,5 +1,6 @@
 // Bodies become stand-ins and stand-ins bodies in place: Bullet's object, its box and its manifolds
 // stay, so that a stack does not notice.
+#include "server/physics/bullet/address_order.h"
 #include "server/physics/bullet/bullet_contacts.h"
 #include "server/physics/bullet/bullet_conversions.h"
 #include "server/physics/bullet/bullet_world.h"
@@ -32,7 +33,7 @@ void BulletWorld::freeze(std::span<BulletBody* const> group) {
   const Filter filter = filter_for(Mobility::fixed);
   for (BulletBody* body : group) {
     const BodyState state = state_of(*body);
-    leave_moving(*body);
+    take_from_address_order(world_.moving(), &body->rigid);
     body->marked = false;
     body->role = Role::stand_in;
     body->rigid.clearForces();
@@ -55,7 +56,7 @@ void BulletWorld::thaw(BulletBody& stand_in, const BodyState& state) {
   rigid.setMassProps(shapes_.prototypes()[stand_in.prototype.value].mass_kg, built.inertia);
   rigid.setGravity(aureole::to_bullet(settings_.gravity));
   put_state(stand_in, state);
-  enter_moving(stand_in);
+  put_in_address_order(world_.moving(), &stand_in.rigid);
   const Filter filter = filter_for(Mobility::moving);
   btBroadphaseProxy* proxy = rigid.getBroadphaseHandle();
   proxy->m_collisionFilterGroup = filter.group;

@@ -199,6 +199,26 @@ void BulletWorld::drive_obstacles(float dt_s) {
   }
 }
 
+namespace {
+
+/// In the order of their ids bodies that have come from elsewhere lie all over memory: so far ahead
+/// each one is asked for.
+constexpr std::size_t fetched_ahead = 6;
+/// Where Bullet 3.24 keeps whether a body is awake (bytes); a wrong guess costs time, no more.
+constexpr std::size_t activation_at = 240;
+
+/// Begins to bring into the cache what a walk reads of a body: its pose, whether it is awake, how
+/// fast it is.
+void fetch(const BulletBody& body) {
+  const btRigidBody& rigid = body.rigid;
+  __builtin_prefetch(&rigid.getWorldTransform());
+  __builtin_prefetch(&rigid.getWorldTransform().getOrigin());
+  __builtin_prefetch(reinterpret_cast<const char*>(&rigid) + activation_at);
+  __builtin_prefetch(&rigid.getLinearVelocity());
+}
+
+}  // namespace
+
 void AwakeBodies::note(const BulletWorld& world, const BulletBody& body) {
   bodies.push_back({body.id, body.prototype, world.state_of(body)});
   objects.push_back(&body);
@@ -212,7 +232,9 @@ void BulletWorld::step(float dt_s, std::span<BulletBody* const> all, AwakeBodies
   // A basis is carried as a quaternion and made of it again elsewhere, with other last bits. Going
   // through the quaternion here too makes a body that has moved to another world the same body.
   awake.clear();
-  for (BulletBody* body : all) {
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    BulletBody* body = all[n];
+    if (n + fetched_ahead < all.size()) fetch(*all[n + fetched_ahead]);
     if (!body->rigid.isActive()) continue;
     if (body->immovable()) {
       awake.note(*this, *body);

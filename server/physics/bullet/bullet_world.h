@@ -30,9 +30,8 @@ struct BulletBody {
   PrototypeId prototype;
   Role role = Role::body;
   bool upright = false;
-  bool marked = false;        ///< Member of the group that a call is about; false between calls.
-  int non_static_index = -1;  ///< Place in Bullet's list of moving bodies; -1 if immovable.
-  std::uint32_t slot = 0;     ///< See BodyGlance::slot(); stand-ins have one too.
+  bool marked = false;     ///< Member of the group that a call is about; false between calls.
+  std::uint32_t slot = 0;  ///< See BodyGlance::slot(); stand-ins have one too.
   /// Bullet's for its pairs, with points or without; in no order. See Dispatcher.
   std::vector<btPersistentManifold*> manifolds;
   Eigen::Quaternionf orientation{Eigen::Quaternionf::Identity()};  ///< What the basis was made of.
@@ -107,7 +106,8 @@ class PairCache : public btHashedOverlappingPairCache {
   void removeOverlappingPairsContainingProxy(btBroadphaseProxy*, btDispatcher*) override {}
 };
 
-/// Opens up the list of moving bodies, which Bullet searches from the start for each removal.
+/// Opens up the list of moving bodies, which Bullet searches from the start for each removal. Ours
+/// is in the order of addresses: what a step does to each of them does not depend on the others.
 class DynamicsWorld : public btDiscreteDynamicsWorld {
  public:
   using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
@@ -179,8 +179,6 @@ class BulletWorld {
   static Filter filter_for(Mobility mobility);
   void insert_object(btCollisionObject& object, Mobility mobility);
   void take_out(BulletBody& body);
-  void enter_moving(BulletBody& body);
-  void leave_moving(BulletBody& body);
   void drive_obstacles(float dt_s);
   static void before_solving(btDynamicsWorld* world, btScalar dt_s);
 

@@ -161,6 +161,17 @@ TEST_CASE(
   REQUIRE(told_of(scene.decide(), name(0)) == regions({0, 2}));
 }
 
+TEST_CASE("what lies at home is told to those it reaches, what lies abroad to all around it too") {
+  Scene scene;
+  scene.map = columns(4);
+  scene.self = 1;
+  scene.hosted = {asleep_at(0, 19.9), asleep_at(1, 20.1)};
+  for (HostedBody& body : scene.hosted) body.changed_owner = Tick{-1};  // It does not go home yet.
+  const auto decision = scene.decide();
+  REQUIRE(told_of(decision, name(0)) == regions({2}));
+  REQUIRE(told_of(decision, name(1)) == regions({0, 2, 3}));
+}
+
 TEST_CASE("what is far inside its region concerns nobody") {
   Scene scene;
   scene.hosted = {asleep_at(0, 5), awake_at(1, 2)};
@@ -177,7 +188,7 @@ TEST_CASE("an aura further from home than the neighbours is told to everybody") 
   const auto decision = scene.decide();
   REQUIRE(decision.leaving.empty());
   REQUIRE(told_of(decision, name(2)) == regions({1, 2, 3, 4, 5}));
-  REQUIRE(told_of(decision, name(1)) == regions({1, 2}));
+  REQUIRE(told_of(decision, name(1)) == regions({1}));
 }
 
 TEST_CASE("an island stays while the way home is closed, and is still told to the others") {
