@@ -49,9 +49,10 @@ PartitionMap::PartitionMap(std::vector<Rectangle> areas, std::uint64_t version)
     }
   }
   for (auto& list : neighbours_) std::sort(list.begin(), list.end());
+  has_corners_ = finds_corners();
 }
 
-bool PartitionMap::has_corners() const {
+bool PartitionMap::finds_corners() const {
   const auto meets = [&](RegionId a, RegionId b) {
     return std::binary_search(neighbours_[a.value].begin(), neighbours_[a.value].end(), b);
   };

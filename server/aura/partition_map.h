@@ -59,16 +59,19 @@ class PartitionMap {
     return neighbours_[region.value];
   }
   /// Whether three regions meet anywhere.
-  bool has_corners() const;
+  bool has_corners() const { return has_corners_; }
   /// All pieces of boundary, sorted by their regions. At a T-shaped corner one side's edge is cut
   /// into the pieces that its neighbours touch.
   const std::vector<BoundarySegment>& boundaries() const { return boundaries_; }
 
  private:
+  bool finds_corners() const;
+
   std::vector<Rectangle> areas_;
   std::uint64_t version_;
   std::vector<std::vector<RegionId>> neighbours_;
   std::vector<BoundarySegment> boundaries_;
+  bool has_corners_ = false;
 };
 
 }  // namespace aureole

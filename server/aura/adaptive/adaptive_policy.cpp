@@ -155,15 +155,18 @@ class AdaptivePolicy final : public MigrationPolicy {
     }
   }
 
-  /// Who hears of an aura that is not inside our region, whatever is near to it: of what is abroad
-  /// all who may have something there; of what is at home those whom it may meet at their home.
-  /// Others come abroad to meet it, and tell us of what does.
-  static RegionSet audience(const MigrationSituation& s, const AuraBox& box) {
+  /// Who hears of an aura that is not inside our region, whatever is near to it. Of what is abroad,
+  /// and where three regions meet, all who may have something there. Elsewhere, of what is at home,
+  /// those whom it may meet at their home, and whoever may be handed what it meets: others come
+  /// abroad to meet it, and tell us of what does.
+  RegionSet audience(const MigrationSituation& s, const AuraBox& box) const {
     const WorldPosition centre = WorldPosition::from(box.centre);
     const double reach_m = std::max(box.half.x(), box.half.z());
-    return s.map.area(s.self).contains(centre.x, centre.z)
-               ? audience_at_home(s.map, s.self, centre, home_audience_room * reach_m)
-               : audience_of(s.map, s.self, centre, audience_room * reach_m);
+    if (s.map.has_corners() || !s.map.area(s.self).contains(centre.x, centre.z))
+      return audience_of(s.map, s.self, centre, audience_room * reach_m);
+    RegionSet told = audience_at_home(s.map, s.self, centre, home_audience_room * reach_m);
+    contests_.neighbourhood().add_others_near(box, home_audience_m, told);
+    return told;
   }
 
   /// Tells of each aura its audience, and the hosts of auras near it. Some room beyond the aura, so

@@ -58,6 +58,9 @@ class Contests {
   /// waiting would make it too late.
   bool is_overtaken(Clusters::Number cluster, BodyId asked_for, RegionId asker);
 
+  /// Who is near what, as of find().
+  const Neighbourhood& neighbourhood() const { return neighbourhood_; }
+
   /// Whether a body must be brought together with somebody else's.
   bool is_contested(std::uint32_t body) const {
     return body < contested_.size() && contested_[body];

@@ -1,6 +1,9 @@
 // Regions by their areas, servers by the auras that they project.
 #include "server/aura/adaptive/neighbourhood.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "server/aura/adaptive/aura_size.h"
 #include "server/aura/adaptive/homecoming.h"
 
@@ -42,6 +45,30 @@ void Neighbourhood::add_around(const AuraBox& box, const Horizon& look, RegionSe
     }
   }
   around.remove(situation_->self);
+}
+
+void Neighbourhood::add_others_near(const AuraBox& box, double clearance_m,
+                                    RegionSet& around) const {
+  AuraBox wide = box;
+  wide.half.array() += clearance_m;
+  const double low_x = wide.centre.x() - wide.half.x(), high_x = wide.centre.x() + wide.half.x();
+  const double low_z = wide.centre.z() - wide.half.z(), high_z = wide.centre.z() + wide.half.z();
+  std::vector<std::uint32_t> found;
+  bool searched = false;
+  for (std::uint16_t k = 0; k < situation_->map.size(); ++k) {
+    const RegionId other{k};
+    if (other == situation_->self || around.contains(other)) continue;
+    if (situation_->map.area(other).overlaps(low_x, low_z, high_x, high_z)) {
+      around.add(other);
+      continue;
+    }
+    // Seldom is anything of a third server so near that one has to look closely.
+    if (!rooms_of_hosts_[k] || !rooms_of_hosts_[k]->overlaps(wide)) continue;
+    if (!std::exchange(searched, true)) outlook_->remote_rows().find(wide, found);
+    if (std::any_of(found.begin(), found.end(),
+                    [&](std::uint32_t aura) { return situation_->remote[aura].host == other; }))
+      around.add(other);
+  }
 }
 
 /// Its aura, and its way if it moves.

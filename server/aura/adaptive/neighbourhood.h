@@ -21,6 +21,10 @@ struct Horizon {
 /// A cluster goes to the first server that has anything so near to it, or on its way, if that is a
 /// third one: at a corner it would be fetched on to that one soon, and from there to the next.
 inline constexpr Horizon near_by{1.0, 0.5};
+/// So far around an aura that leaves its region others are told of it (m), if it lies at home: who
+/// has something there, or its region, may be handed what the aura is about to meet, and has to
+/// know of it by then. As far as `far_around` looks, and as long as a cluster may be.
+inline constexpr double home_audience_m = 16;
 /// Who has changed its owner within the last second goes as far as it may have to at once: it must
 /// not change it more than twice.
 inline constexpr Horizon far_around{8.0, 1.0};
@@ -32,6 +36,8 @@ class Neighbourhood {
   void begin(const MigrationSituation& situation, const Outlook& outlook, const Clusters& clusters);
 
   void add_around(const AuraBox& box, const Horizon& look, RegionSet& around) const;
+  /// The same, whoever is linked or not, for those who are not in `around` yet.
+  void add_others_near(const AuraBox& box, double clearance_m, RegionSet& around) const;
   void add_around(Clusters::Number cluster, const Horizon& look, RegionSet& around) const;
 
   /// Around a cluster, as far as it has to look: `far_around` if it has changed its owner within
