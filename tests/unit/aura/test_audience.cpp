@@ -1,36 +1,16 @@
 // Who is told of an aura: of what is at home those whom it reaches, of what is abroad all around.
 #include <algorithm>
-#include <limits>
 #include <random>
 
 #include "server/aura/audience.h"
 #include "server/aura/aura_box.h"
 #include "tests/support/catch.h"
+#include "tests/unit/aura/aura_maps.h"
 
 using namespace aureole;
+using namespace aureole::aura_maps;
 
 namespace {
-
-constexpr double inf = std::numeric_limits<double>::infinity();
-
-RegionId r(int i) {
-  return RegionId{static_cast<std::uint16_t>(i)};
-}
-
-std::vector<RegionId> regions(std::initializer_list<int> list) {
-  std::vector<RegionId> all;
-  for (int i : list) all.push_back(r(i));
-  return all;
-}
-
-PartitionMap quarters() {
-  return PartitionMap({{-inf, -inf, 0, 0}, {0, -inf, inf, 0}, {-inf, 0, 0, inf}, {0, 0, inf, inf}});
-}
-
-/// Two above, one wide below.
-PartitionMap t_shape() {
-  return PartitionMap({{-inf, -inf, 0, 0}, {0, -inf, inf, 0}, {-inf, 0, inf, inf}});
-}
 
 PartitionMap columns() {
   return PartitionMap(

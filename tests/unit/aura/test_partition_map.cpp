@@ -1,33 +1,10 @@
 // Who owns which point, who neighbours whom, where boundaries run: columns, 2×2, T-shapes.
 #include "server/aura/partition_map.h"
 #include "tests/support/catch.h"
+#include "tests/unit/aura/aura_maps.h"
 
 using namespace aureole;
-
-namespace {
-
-constexpr double inf = std::numeric_limits<double>::infinity();
-
-RegionId r(int i) {
-  return RegionId{static_cast<std::uint16_t>(i)};
-}
-
-std::vector<RegionId> regions(std::initializer_list<int> list) {
-  std::vector<RegionId> all;
-  for (int i : list) all.push_back(r(i));
-  return all;
-}
-
-PartitionMap quarters() {
-  return PartitionMap({{-inf, -inf, 0, 0}, {0, -inf, inf, 0}, {-inf, 0, 0, inf}, {0, 0, inf, inf}});
-}
-
-/// Two above, one wide below.
-PartitionMap t_shape() {
-  return PartitionMap({{-inf, -inf, 0, 0}, {0, -inf, inf, 0}, {-inf, 0, inf, inf}});
-}
-
-}  // namespace
+using namespace aureole::aura_maps;
 
 TEST_CASE("every point has exactly one owner, also on edges and corners") {
   const auto map = quarters();
