@@ -156,6 +156,9 @@ void RegionCore::watch_stand_ins(Tick now) {
         const PrototypeId prototype = hosting_.physics().stand_in(stand_in).prototype;
         return double{hosting_.definitions()[prototype.value].mass_kg};
       });
+  constexpr std::int64_t look_around_ticks = 512;
+  if (now.value % look_around_ticks == 0) stand_ins_.look_around();
+  stand_ins_.note_ours(hosting_.physics().awake());
 }
 
 Hosting::Cut RegionCore::cut() const {

@@ -112,6 +112,9 @@ void RegionCore::take_in_groups(Tick now) {
     group.tick = present - steps;
     extra_.catch_up_steps += static_cast<std::uint64_t>(steps);
     const std::vector<BlastEffect> recent(blasts_.begin(), blasts_.end());
+    std::vector<NewBody> coming;
+    for (const auto& b : group.bodies) coming.push_back(b.body);
+    stand_ins_.note_ours(coming);
     catch_up(group, {hosting_.definitions(), hosting_.physics(), present, recent, AvatarTuning{}});
     stand_ins_.came_along(group.stand_ins, arrived.from, now);
     const std::vector<BodyId> taken = hosting_.accept(group, arrived.from, now);
@@ -222,6 +225,7 @@ void RegionCore::spawn(Tick now) {
     }
     injected_[i] = made;
   }
+  stand_ins_.note_ours(born);
   hosting_.spawn(born);
 }
 

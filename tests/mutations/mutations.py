@@ -79,6 +79,14 @@ MUTATIONS = [
         ((AURA, "what lies at home is told to those it reaches*"),),
     ),
     Mutation(
+        "far-stand-ins",
+        "what did not stand since nobody was near does not when somebody comes",
+        "server/region/stand_ins/stand_ins.cpp",
+        "  if (ours_.take_grown()) put_up_what_is_near();\n",
+        "",
+        ((REGION, "what none of ours is near to does not stand until one of ours comes"),),
+    ),
+    Mutation(
         "manifold-transfer",
         "contacts do not travel with a group",
         "server/region/hosting.cpp",
@@ -100,8 +108,8 @@ MUTATIONS = [
         "wake-neighbours",
         "what leant on a body that another server takes away is not woken",
         "server/region/stand_ins/stand_ins.cpp",
-        "  if (!down.empty()) physics_.remove_stand_ins(down, Wake::touching);",
-        "  if (!down.empty()) physics_.remove_stand_ins(down, Wake::nobody);",
+        "  if (!standing.empty()) physics_.remove_stand_ins(standing, Wake::touching);",
+        "  if (!standing.empty()) physics_.remove_stand_ins(standing, Wake::nobody);",
         ((REGION, "what leant on a stand-in wakes when its body has left its place"),),
     ),
     Mutation(

@@ -229,6 +229,7 @@ void RegionCore::end_recovery(Tick now) {
       injected_[i] = injected_count(world_.injectors[i], std::min(heard, now));
   }
   if (outcome.nobody_knew) begin_anew(outcome.known);
+  stand_ins_.look_around();
   for (BodyId id : outcome.known)
     if (id.kind() == BodyId::Kind::injected) made_before_.insert(id);
   started_ = true;

@@ -23,10 +23,54 @@ void StandIns::note(BodyId id, const Entry& entry) {
 void StandIns::drop(BodyId id) {
   entries_.erase(id);
   unvouched_.erase(id);
+  away_.erase(id);
+}
+
+void StandIns::note_ours(std::span<const NewBody> bodies) {
+  for (const NewBody& body : bodies) ours_.note(body.state.position);
+  if (ours_.take_grown()) put_up_what_is_near();
+}
+
+void StandIns::look_around() {
+  forget_bodies();
+  ours_.forget_all();
+  for (BodyId id : physics_.ids()) ours_.note(physics_.position(id));
+  std::vector<BodyId> far;
+  for (BodyId id : physics_.stand_in_ids()) {
+    const NewBody body = physics_.stand_in(id);
+    if (ours_.is_near(body.state.position)) continue;
+    far.push_back(id);
+    away_.emplace(id, body);
+  }
+  physics_.remove_stand_ins(far, Wake::nobody);  // Nobody touches them.
+  put_up_what_is_near();
+}
+
+void StandIns::put_up_what_is_near() {
+  std::vector<NewBody> near;
+  for (const auto& [id, body] : away_)
+    if (ours_.is_near(body.state.position)) near.push_back(body);
+  for (const NewBody& body : near) away_.erase(body.id);
+  // Who has become a body (born or claimed here under that name) stands for itself.
+  std::erase_if(near, [&](const NewBody& body) {
+    const bool hosted = physics_.contains(body.id);
+    if (hosted) drop(body.id);
+    return hosted;
+  });
+  if (near.empty()) return;
+  std::vector<BodyId> ids;
+  for (const NewBody& body : near) ids.push_back(body.id);
+  physics_.add_stand_ins(near);
+  wake_what_is_inside(ids);
 }
 
 void StandIns::put(const NewBody& body, const Entry& entry) {
   note(body.id, entry);
+  if (!physics_.is_stand_in(body.id) && !ours_.is_near(body.state.position)) {
+    away_.insert_or_assign(body.id, body);
+    return;
+  }
+  away_.erase(body.id);
   const bool other_thing =
       physics_.is_stand_in(body.id) && physics_.stand_in(body.id).prototype != body.prototype;
   if (other_thing) physics_.remove_stand_ins(std::span(&body.id, 1), Wake::touching);
@@ -48,7 +92,10 @@ void StandIns::wake_what_is_inside(std::span<const BodyId> stand_ins) {
 }
 
 void StandIns::left(std::span<const BodyId> ids, RegionId to, Tick now) {
-  for (BodyId id : ids) note(id, {to, false, now});
+  for (BodyId id : ids) {
+    away_.erase(id);
+    note(id, {to, false, now});
+  }
 }
 
 void StandIns::came_along(std::span<const NewBody> bodies, RegionId from, Tick now) {
@@ -64,8 +111,8 @@ void StandIns::arrived(std::span<const BodyId> ids) {
 
 void StandIns::forget_bodies() {
   // Each stand-in has an entry: as long as there are as many, nobody has become a body.
-  if (entries_.size() == physics_.stand_in_ids().size()) return;
-  const auto is_none = [&](BodyId id) { return !physics_.is_stand_in(id); };
+  if (size() == physics_.stand_in_ids().size()) return;
+  const auto is_none = [&](BodyId id) { return !physics_.is_stand_in(id) && !away_.contains(id); };
   std::erase_if(entries_, [&](const auto& entry) { return is_none(entry.first); });
   std::erase_if(unvouched_, [&](const auto& unvouched) { return is_none(unvouched.first); });
 }
@@ -91,8 +138,7 @@ void StandIns::take(std::span<const RestingNews> news, Tick now) {
     if (item.kind == RestingNews::Kind::handed_over) {
       note(id, {item.from, false, now});
     } else {
-      drop(id);
-      physics_.remove_stand_ins(std::span(&id, 1), Wake::touching);
+      take_down(std::span(&id, 1));
     }
   }
   // Told, taken back and told again within one step it would be here twice.
@@ -112,8 +158,16 @@ void StandIns::tidy(std::span<const RemoteAura> remote, Tick now) {
     if (now - since > grace_ticks) down.push_back(id);
   std::sort(down.begin(), down.end());
   down.erase(std::unique(down.begin(), down.end()), down.end());
-  for (BodyId id : down) drop(id);
-  if (!down.empty()) physics_.remove_stand_ins(down, Wake::touching);
+  take_down(down);
+}
+
+void StandIns::take_down(std::span<const BodyId> ids) {
+  std::vector<BodyId> standing;
+  for (BodyId id : ids) {
+    if (!away_.contains(id)) standing.push_back(id);
+    drop(id);
+  }
+  if (!standing.empty()) physics_.remove_stand_ins(standing, Wake::touching);
 }
 
 }  // namespace aureole

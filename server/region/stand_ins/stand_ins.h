@@ -11,6 +11,7 @@
 #include "server/base/tick.h"
 #include "server/physics/physics_world.h"
 #include "server/region/aura_exchange.h"
+#include "server/region/stand_ins/whereabouts.h"
 
 namespace aureole {
 
@@ -18,9 +19,18 @@ namespace aureole {
 /// Between the word of one owner and that of the next (a body that is handed over) a stand-in stays
 /// for `grace_ticks`; while its owner cannot be heard at all it stays for good, so that a heap does
 /// not fall because a server died.
+///
+/// Around a corner every server hears of what rests along every boundary. What none of ours is near
+/// to does not stand: it would be put up for nothing, and stretch Bullet's tree of what moves.
 class StandIns {
  public:
-  explicit StandIns(PhysicsWorld& physics) : physics_(physics) {}
+  StandIns(PhysicsWorld& physics, const Whereabouts& ours) : physics_(physics), ours_(ours) {}
+
+  /// Where bodies of ours are, or will be in a moment; what is near them is put up. To be told of
+  /// all that are awake after a step, and of whoever comes.
+  void note_ours(std::span<const NewBody> bodies);
+  /// Looks at all that are hosted here; what none of them is near to any more is put away.
+  void look_around();
 
   /// Bodies that we handed over and that Hosting left in place as stand-ins.
   void left(std::span<const BodyId> ids, RegionId to, Tick now);
@@ -34,7 +44,8 @@ class StandIns {
   /// that nobody vouches for any more; wakes what leant on them.
   void tidy(std::span<const RemoteAura> remote, Tick now);
 
-  std::size_t size() const { return entries_.size(); }
+  /// Those that stand.
+  std::size_t size() const { return entries_.size() - away_.size(); }
 
   /// A body that sleeps this deep inside a new stand-in wakes and is pushed out (m): another came
   /// to lie there while its server was down. Heaps that are cut are in each other by centimetres.
@@ -49,18 +60,23 @@ class StandIns {
     Tick since;            ///< When the present state of `vouched` began.
   };
   void put(const NewBody& body, const Entry& entry);
+  void put_up_what_is_near();
   void wake_what_is_inside(std::span<const BodyId> stand_ins);
   /// A stand-in that has become a body (born or claimed here under that name) is one no more.
   void forget_bodies();
 
-  /// `entries_` and `unvouched_` change together: here and in forget_bodies().
+  /// `entries_`, `unvouched_` and `away_` change together: here and in forget_bodies().
   void note(BodyId id, const Entry& entry);
   void drop(BodyId id);
+  void take_down(std::span<const BodyId> ids);
 
   PhysicsWorld& physics_;
   std::map<BodyId, Entry> entries_;
   /// Those of `entries_`, and since when; most of a heap that rests is vouched for.
   std::map<BodyId, Tick> unvouched_;
+  /// Those of `entries_` that do not stand.
+  std::map<BodyId, NewBody> away_;
+  Whereabouts ours_;
 };
 
 }  // namespace aureole
