@@ -20,7 +20,9 @@ constexpr std::size_t frozen_commands_max = 4096;
 /// The same for whole messages. They come again from the journal.
 constexpr std::size_t waiting_max = 4096;
 
-Whereabouts whereabouts_in(const WorldDefinition& world) {
+/// In columns what is told is near as it is.
+Whereabouts whereabouts_in(const WorldDefinition& world, bool has_corners) {
+  if (!has_corners) return Whereabouts::everywhere();
   double largest_m = 0;
   for (const Prototype& prototype : world.prototypes)
     largest_m = std::max(largest_m, double{bounding_radius(prototype.body.shape)});
@@ -37,7 +39,7 @@ RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation 
       policy_(make_policy(world.mode, world.tolerances)),
       hosting_(world, self, incarnation),
       players_(world, map_, self, hosting_),
-      stand_ins_(hosting_.physics(), whereabouts_in(world)),
+      stand_ins_(hosting_.physics(), whereabouts_in(world, map_.has_corners())),
       hosted_bodies_(map_, self_, hosting_.statics()),
       awake_everywhere_(world.regions.size(), 0.0),
       load_levels_(world.regions.size(), self),

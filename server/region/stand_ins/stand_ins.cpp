@@ -27,11 +27,13 @@ void StandIns::drop(BodyId id) {
 }
 
 void StandIns::note_ours(std::span<const NewBody> bodies) {
+  if (ours_.is_everywhere()) return;
   for (const NewBody& body : bodies) ours_.note(body.state.position);
   if (ours_.take_grown()) put_up_what_is_near();
 }
 
 void StandIns::look_around() {
+  if (ours_.is_everywhere()) return;
   forget_bodies();
   ours_.forget_all();
   for (BodyId id : physics_.ids()) ours_.note(physics_.position(id));
