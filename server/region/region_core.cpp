@@ -20,13 +20,13 @@ constexpr std::size_t frozen_commands_max = 4096;
 /// The same for whole messages. They come again from the journal.
 constexpr std::size_t waiting_max = 4096;
 
-/// In columns what is told is near as it is.
-Whereabouts whereabouts_in(const WorldDefinition& world, bool has_corners) {
-  if (!has_corners) return Whereabouts::everywhere();
+/// None in columns: what is told there is near as it is.
+std::optional<Whereabouts> whereabouts_in(const WorldDefinition& world, bool has_corners) {
+  if (!has_corners) return {};
   double largest_m = 0;
   for (const Prototype& prototype : world.prototypes)
     largest_m = std::max(largest_m, double{bounding_radius(prototype.body.shape)});
-  return {world.bounds, largest_m};
+  return Whereabouts(world.bounds, largest_m);
 }
 
 }  // namespace

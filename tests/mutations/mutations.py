@@ -82,9 +82,17 @@ MUTATIONS = [
         "far-stand-ins",
         "what did not stand since nobody was near does not when somebody comes",
         "server/region/stand_ins/stand_ins.cpp",
-        "  if (ours_.take_grown()) put_up_what_is_near();\n",
+        "  if (ours_->take_grown()) put_up_what_is_near();\n",
         "",
         ((REGION, "what none of ours is near to does not stand until one of ours comes"),),
+    ),
+    Mutation(
+        "walls-for-arrivals",
+        "what is handed over finds what it lies on standing a step too late",
+        "server/region/region_step.cpp",
+        "    stand_ins_.note_ours(coming);\n",
+        "",
+        ((REGION, "what is handed over finds standing what it lies on, from its first step on"),),
     ),
     Mutation(
         "manifold-transfer",

@@ -27,20 +27,20 @@ void StandIns::drop(BodyId id) {
 }
 
 void StandIns::note_ours(std::span<const NewBody> bodies) {
-  if (ours_.is_everywhere()) return;
-  for (const NewBody& body : bodies) ours_.note(body.state.position);
-  if (ours_.take_grown()) put_up_what_is_near();
+  if (!ours_) return;
+  for (const NewBody& body : bodies) ours_->note(body.state.position);
+  if (ours_->take_grown()) put_up_what_is_near();
 }
 
 void StandIns::look_around() {
-  if (ours_.is_everywhere()) return;
+  if (!ours_) return;
   forget_bodies();
-  ours_.forget_all();
-  for (BodyId id : physics_.ids()) ours_.note(physics_.position(id));
+  ours_->forget_all();
+  for (BodyId id : physics_.ids()) ours_->note(physics_.position(id));
   std::vector<BodyId> far;
   for (BodyId id : physics_.stand_in_ids()) {
     const NewBody body = physics_.stand_in(id);
-    if (ours_.is_near(body.state.position)) continue;
+    if (is_near_ours(body)) continue;
     far.push_back(id);
     away_.emplace(id, body);
   }
@@ -51,7 +51,7 @@ void StandIns::look_around() {
 void StandIns::put_up_what_is_near() {
   std::vector<NewBody> near;
   for (const auto& [id, body] : away_)
-    if (ours_.is_near(body.state.position)) near.push_back(body);
+    if (is_near_ours(body)) near.push_back(body);
   for (const NewBody& body : near) away_.erase(body.id);
   // Who has become a body (born or claimed here under that name) stands for itself.
   std::erase_if(near, [&](const NewBody& body) {
@@ -68,7 +68,7 @@ void StandIns::put_up_what_is_near() {
 
 void StandIns::put(const NewBody& body, const Entry& entry) {
   note(body.id, entry);
-  if (!physics_.is_stand_in(body.id) && !ours_.is_near(body.state.position)) {
+  if (!physics_.is_stand_in(body.id) && !is_near_ours(body)) {
     away_.insert_or_assign(body.id, body);
     return;
   }

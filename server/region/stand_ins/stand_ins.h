@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "server/aura/migration_policy.h"
@@ -24,7 +26,9 @@ namespace aureole {
 /// to does not stand: it would be put up for nothing, and stretch Bullet's tree of what moves.
 class StandIns {
  public:
-  StandIns(PhysicsWorld& physics, const Whereabouts& ours) : physics_(physics), ours_(ours) {}
+  /// \param nowhere  of a world in which none of ours is yet; none: all stand, wherever ours are
+  StandIns(PhysicsWorld& physics, std::optional<Whereabouts> nowhere)
+      : physics_(physics), ours_(std::move(nowhere)) {}
 
   /// Where bodies of ours are, or will be in a moment; what is near them is put up. To be told of
   /// all that are awake after a step, and of whoever comes.
@@ -61,6 +65,9 @@ class StandIns {
   };
   void put(const NewBody& body, const Entry& entry);
   void put_up_what_is_near();
+  bool is_near_ours(const NewBody& body) const {
+    return !ours_ || ours_->is_near(body.state.position);
+  }
   void wake_what_is_inside(std::span<const BodyId> stand_ins);
   /// A stand-in that has become a body (born or claimed here under that name) is one no more.
   void forget_bodies();
@@ -76,7 +83,7 @@ class StandIns {
   std::map<BodyId, Tick> unvouched_;
   /// Those of `entries_` that do not stand.
   std::map<BodyId, NewBody> away_;
-  Whereabouts ours_;
+  std::optional<Whereabouts> ours_;
 };
 
 }  // namespace aureole

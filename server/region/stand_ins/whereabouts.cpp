@@ -27,13 +27,6 @@ Whereabouts::Whereabouts(const Box3& bounds, double largest_radius_m)
   near_ = noted_;
 }
 
-Whereabouts Whereabouts::everywhere() {
-  Whereabouts all({}, 0);
-  all.note({});
-  all.everywhere_ = true;
-  return all;
-}
-
 void Whereabouts::mark(std::size_t square) {
   constexpr std::size_t around = 2;
   noted_[square] = 1;

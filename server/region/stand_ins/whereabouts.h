@@ -17,10 +17,6 @@ class Whereabouts {
   /// reaches further from its centre.
   Whereabouts(const Box3& bounds, double largest_radius_m);
 
-  /// Everything is near, whoever is noted.
-  static Whereabouts everywhere();
-  bool is_everywhere() const { return everywhere_; }
-
   void note(const WorldPosition& centre) {
     const std::size_t at = square_at(centre);
     if (!noted_[at]) mark(at);
@@ -46,7 +42,6 @@ class Whereabouts {
   std::size_t columns_, rows_;
   std::vector<std::uint8_t> noted_, near_;
   bool grown_ = false;
-  bool everywhere_ = false;
 };
 
 inline std::size_t Whereabouts::index(double offset_m, double edge_m, std::size_t side) {

@@ -100,6 +100,15 @@ TEST_CASE("what none of ours is near to does not stand until one of ours comes")
   REQUIRE(pair.stand_ins.size() == 2);
 }
 
+TEST_CASE("where only what is near is told all stand, wherever ours are") {
+  Pair pair;
+  StandIns all{pair.physics, std::nullopt};
+  const RestingNews news{RestingNews::Kind::rests, owner, Pair::box(BodyId::world(2), 0.5, 100)};
+  all.take(std::span(&news, 1), Tick{2});
+  all.look_around();
+  REQUIRE(pair.physics.is_stand_in(news.body.id));
+}
+
 TEST_CASE("what none of ours is near to any more is put away, and comes back for the next one") {
   Pair pair;
   pair.stand_ins.look_around();

@@ -11,7 +11,7 @@
 
 using namespace aureole;
 
-TEST_CASE("near is whoever is less than an edge from somebody, and nobody three edges away") {
+TEST_CASE("near is who is less than two edges from somebody, and nobody who is three away") {
   std::mt19937 random(7);
   const auto metres = [&](double most) {
     return std::uniform_real_distribution<double>(-most, most)(random);
