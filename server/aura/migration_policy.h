@@ -152,6 +152,8 @@ struct MigrationSituation {
   /// (adaptive)
   Precedence order{};
   Precedence order_before{};  ///< As it was a second ago (long_stay_ticks).
+  /// Others may have the lines of the map elsewhere by as much as this (m; adaptive).
+  double map_margin_m = 0;
   bool asks_largest = false;  ///< MigrationDecision::largest_cluster is wanted.
 };
 

@@ -27,6 +27,10 @@ struct Rectangle {
   bool holds(double low_x, double low_z, double high_x, double high_z) const {
     return low_x >= min_x && high_x < max_x && low_z >= min_z && high_z < max_z;
   }
+  /// Without what is less than `depth_m` from its edges; holds nothing if that is all of it.
+  Rectangle inner(double depth_m) const {
+    return {min_x + depth_m, min_z + depth_m, max_x - depth_m, max_z - depth_m};
+  }
   /// Between their nearest points; 0 if they overlap or share an edge (unit: m).
   double distance(const Rectangle& other) const;
   /// Distance from the point to the rectangle; 0 inside and on its edge (unit: m).

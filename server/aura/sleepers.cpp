@@ -16,15 +16,26 @@ void Sleepers::put(const HostedBody& body) {
   }
   by_id_.emplace(body.id, place);
   const AuraCapsule aura = resting_aura(body);
-  Sleeper& sleeper = sleepers_[place] = {body, aura, aura.box(), not_beyond};
+  sleepers_[place] = {body, aura, aura.box(), not_beyond};
+  note_whether_beyond(place);
+  rows_.insert(place, sleepers_[place].box);
+}
+
+void Sleepers::move_home(const Rectangle& home) {
+  home_ = home;
+  beyond_.clear();
+  for (const auto& [id, place] : by_id_) note_whether_beyond(place);
+}
+
+void Sleepers::note_whether_beyond(Place place) {
+  Sleeper& sleeper = sleepers_[place];
   const AuraBox& box = sleeper.box;
   const bool inside = home_.holds(box.centre.x() - box.half.x(), box.centre.z() - box.half.z(),
                                   box.centre.x() + box.half.x(), box.centre.z() + box.half.z());
-  if (!inside) {
-    sleeper.beyond = static_cast<std::uint32_t>(beyond_.size());
-    beyond_.push_back(place);
-  }
-  rows_.insert(place, box);
+  sleeper.beyond = not_beyond;
+  if (inside) return;
+  sleeper.beyond = static_cast<std::uint32_t>(beyond_.size());
+  beyond_.push_back(place);
 }
 
 bool Sleepers::take(BodyId id) {

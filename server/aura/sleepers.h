@@ -27,6 +27,9 @@ class Sleepers {
   /// `home`: the area of the region whose bodies these are.
   explicit Sleepers(const Rectangle& home) : home_(home) {}
 
+  /// From now on the region ends there. One pass over all who are here.
+  void move_home(const Rectangle& home);
+
   /// One that is here already is put where it lies now. Its own aura is resting_aura().
   void put(const HostedBody& body);
   /// False: it is not here.
@@ -54,6 +57,8 @@ class Sleepers {
     AuraBox box;
     std::uint32_t beyond = not_beyond;  ///< Its place in `beyond_`.
   };
+
+  void note_whether_beyond(Place place);
 
   Rectangle home_;
   std::vector<Sleeper> sleepers_;

@@ -23,6 +23,9 @@ constexpr std::size_t share_bodies_min = 50;
 /// In the last second of the run nothing may change owner any more.
 constexpr std::int64_t calm_ticks = 62;
 
+/// Whoever has come home along with others stays a second, and may then go on to its own home.
+constexpr std::int64_t homeward_ticks = long_stay_ticks + 16;
+
 double cpu_now_s() {
   timespec t{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
@@ -245,14 +248,20 @@ bool Simulation::all_run() const {
                      [](const auto& s) { return s.runs() && !s.is_recovering(); });
 }
 
+/// Lines that have moved come back soon after a world has calmed down, and then things go home.
+bool Simulation::ends_where_the_map_says(const SimulatedServer& server) const {
+  const RegionId self = server.self();
+  return server.core().homes().area(self) == map_.area(self);
+}
+
 /// What has just fallen asleep may still go home within the second.
 bool Simulation::all_rest() {
   const bool asleep =
-      all_run() && std::all_of(servers_.begin(), servers_.end(), [](const SimulatedServer& s) {
-        return s.core().physics().awake_count() == 0;
+      all_run() && std::all_of(servers_.begin(), servers_.end(), [&](const SimulatedServer& s) {
+        return s.core().physics().awake_count() == 0 && ends_where_the_map_says(s);
       });
   if (!asleep) stirred_ = now_;
-  return now_ - stirred_ >= calm_ticks && ownership_.changes_since(now_ - calm_ticks).empty();
+  return now_ - stirred_ >= calm_ticks && ownership_.changes_since(now_ - homeward_ticks).empty();
 }
 
 void Simulation::judge_rest() {

@@ -75,6 +75,7 @@ class Simulation {
   void judge_jumps();
   bool pours() const;
   bool all_run() const;
+  bool ends_where_the_map_says(const SimulatedServer& server) const;
   bool all_rest();
   bool players_act(Micros now) const;
 

@@ -17,8 +17,7 @@ std::int64_t BoundaryStrip::row(double z) const {
 }
 
 void BoundaryStrip::note(std::span<const RemoteAura> remote, double depth_m) {
-  inner_ = {area_.min_x + depth_m, area_.min_z + depth_m, area_.max_x - depth_m,
-            area_.max_z - depth_m};
+  inner_ = area_.inner(depth_m);
   visited_ = false;
   double high_x = 0, high_z = 0;
   reached_.clear();

@@ -73,6 +73,11 @@ void HostedBodies::keep_sleepers(Hosting& hosting, std::span<const BodyId> chang
   sleepers_.settle();
 }
 
+void HostedBodies::move_home(const PartitionMap& map, RegionId self, double margin_m) {
+  strip_ = BoundaryStrip(map, self);
+  sleepers_.move_home(map.area(self).inner(margin_m));
+}
+
 void HostedBodies::begin(Hosting& hosting, std::span<const RemoteAura> remote, double depth_m,
                          Tick now) {
   apart_ = std::isfinite(depth_m);

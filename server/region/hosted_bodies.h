@@ -23,6 +23,9 @@ class HostedBodies {
   HostedBodies(const PartitionMap& map, RegionId self, std::span<const StaticDefinition> statics)
       : nearby_geometry_(statics), strip_(map, self), sleepers_(map.area(self)) {}
 
+  /// The region ends elsewhere now, or others may think so (`margin_m`: by how much).
+  void move_home(const PartitionMap& map, RegionId self, double margin_m);
+
   /// Once a decision, before look(): what others project, and how deep the strip is now.
   void begin(Hosting& hosting, std::span<const RemoteAura> remote, double depth_m, Tick now);
 

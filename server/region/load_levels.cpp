@@ -7,14 +7,6 @@
 #include "server/aura/migration_policy.h"
 
 namespace aureole {
-namespace {
-
-std::int64_t term_of(Tick tick) {
-  return tick.value / LoadLevels::term_ticks;
-}
-
-}  // namespace
-
 void LoadLevels::note(Known& known, Announced announced) {
   const auto same = std::find_if(known.begin(), known.end(),
                                  [&](const Announced& a) { return a.term == announced.term; });
@@ -36,8 +28,8 @@ std::uint16_t LoadLevels::level_in(const Known& known, std::int64_t term) {
 }
 
 std::uint16_t LoadLevels::level_for(double awake, double largest, std::uint16_t before) const {
-  const double steps = std::log(std::max(awake / awake_min_, 1.0)) / std::log(step);
-  const double awake_before = awake_min_ * std::pow(step, before);
+  const double steps = std::log(std::max(awake / awake_min_, 1.0)) / std::log(step_);
+  const double awake_before = awake_min_ * std::pow(step_, before);
   if (std::abs(steps - before) < 1 || std::abs(awake - awake_before) < largest) return before;
   return static_cast<std::uint16_t>(std::min(std::round(steps), double{unknown - 1}));
 }
@@ -59,8 +51,20 @@ LoadLevels::Told LoadLevels::tell(Tick now, double awake, double largest) {
 
 void LoadLevels::hear(RegionId from, Tick told_at, Told told) {
   const std::int64_t term = term_of(told_at);
-  note(known_[from.value], {term, told.now});
+  if (told.now != unknown) note(known_[from.value], {term, told.now});
   if (told.next != unknown) note(known_[from.value], {term + 1, told.next});
+}
+
+bool LoadLevels::knows(RegionId region, Tick now) const {
+  const Known& known = known_[region.value];
+  return std::any_of(known.begin(), known.end(),
+                     [&](const Announced& a) { return a.term == term_of(now); });
+}
+
+bool LoadLevels::knows_all(Tick now) const {
+  for (std::uint16_t k = 0; k < known_.size(); ++k)
+    if (!knows(RegionId{k}, now)) return false;
+  return true;
 }
 
 void LoadLevels::look_up(Tick at, std::vector<std::uint16_t>& levels) const {

@@ -16,22 +16,24 @@ namespace aureole {
 /// whose link has not been silent for a second has heard before the term begins, and orders the
 /// servers alike (precedence.h). Who has not heard goes by the last that it has.
 ///
-/// Levels are 3 % apart, and one is left only for a load that is a whole level away, and by more
-/// bodies than hang together: what nobody can share out would go to and fro. Every term that
-/// changes the order costs changes of owner. Shorter terms do not even out any better, longer
-/// ones less (docs/performance.md).
+/// Levels are 3 % apart for an order of servers, and one is left only for a load that is a whole
+/// level away, and by more bodies than hang together: what nobody can share out would go to and
+/// fro. Every term that changes the order costs changes of owner. Shorter terms do not even out any
+/// better, longer ones less (docs/performance.md).
 class LoadLevels {
  public:
   static constexpr std::int64_t term_ticks = 128;
-  /// From one level to the next.
-  static constexpr double step = 1.03;
+  static std::int64_t term_of(Tick tick) { return tick.value / term_ticks; }
+  /// From one level to the next, for an order of servers.
+  static constexpr double coarse_step = 1.03;
   /// Loads below this are all at level 0 (bodies awake): a world that calms down has one order.
   static constexpr double awake_min = 128;
-  /// What a status says of a term whose level has not been chosen yet.
+  /// What a status says of a term whose level has not been chosen yet, or is not known.
   static constexpr std::uint16_t unknown = 0xFFFF;
 
-  /// `self`: one of `regions`.
-  LoadLevels(std::size_t regions, RegionId self) : known_(regions), self_(self) {}
+  /// `self`: one of `regions`. `step`: from one level to the next (> 1).
+  LoadLevels(std::size_t regions, RegionId self, double step = coarse_step)
+      : known_(regions), self_(self), step_(step) {}
 
   /// Loads below this are at level 0 instead (bodies awake, > 0; infinite: all are alike).
   void level_from(double awake) { awake_min_ = awake; }
@@ -47,6 +49,10 @@ class LoadLevels {
   /// Whether the next tell() chooses.
   bool is_to_choose(Tick now) const;
   void hear(RegionId from, Tick told_at, Told told);
+  /// Whether it has been told, or chosen here, at which level a server is now.
+  bool knows(RegionId region, Tick now) const;
+  /// Of all servers.
+  bool knows_all(Tick now) const;
 
   /// By region. Valid until the next call.
   std::span<const std::uint16_t> in_force(Tick now);
@@ -67,6 +73,7 @@ class LoadLevels {
 
   std::vector<Known> known_;
   RegionId self_;
+  double step_;
   double awake_min_ = awake_min;
   std::vector<std::uint16_t> in_force_, in_force_before_;
 };

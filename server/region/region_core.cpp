@@ -43,6 +43,7 @@ RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation 
       hosted_bodies_(map_, self_, hosting_.statics()),
       awake_everywhere_(world.regions.size(), 0.0),
       load_levels_(world.regions.size(), self),
+      home_lines_(map_, self, world.mode == MigrationMode::adaptive && map_.has_corners()),
       injected_(world.injectors.size(), 0),
       tolerances_(world.tolerances, self, world.regions.size()) {
   AUREOLE_CHECK(self.value < world.regions.size(), "a core is one of its world's regions");
@@ -66,6 +67,7 @@ void RegionCore::level_from(double awake) {
   // make bodies change their owners more often.
   constexpr double never = std::numeric_limits<double>::infinity();
   load_levels_.level_from(map_.has_corners() ? awake : never);
+  home_lines_.level_from(awake / 2);
 }
 
 void RegionCore::peer_up(PeerId id, Incarnation incarnation) {
@@ -190,6 +192,8 @@ Status RegionCore::receive(PeerId from, const Frame& frame) {
       note_awake(from.as_region(), message->awake());
       load_levels_.hear(from.as_region(), Tick{message->tick()},
                         {message->level(), message->next_level()});
+      home_lines_.hear(from.as_region(), Tick{message->tick()},
+                       {message->line_level(), message->next_line_level()});
       return Ok{};
     }
     default:

@@ -26,6 +26,7 @@
 #include "server/region/handoff/journal.h"
 #include "server/region/hosted_bodies.h"
 #include "server/region/hosting.h"
+#include "server/region/home_lines.h"
 #include "server/region/load_levels.h"
 #include "server/region/players/effects.h"
 #include "server/region/players/players.h"
@@ -138,6 +139,8 @@ class RegionCore {
   const Hosting& hosting() const { return hosting_; }
   const Journal& journal(RegionId peer) const { return peers_.at(PeerId::region(peer)).journal; }
   const PartitionMap& partition() const { return map_; }
+  /// Where regions end now as far as homes are concerned; see home_lines.h.
+  const PartitionMap& homes() const { return home_lines_.map(); }
   const StandInWatch& stand_in_watch() const { return stand_in_watch_; }
 
   /// Work per step to bring late groups to the present: bodies × steps. What is above it waits.
@@ -241,6 +244,7 @@ class RegionCore {
   HostedBodies hosted_bodies_;
   std::vector<double> awake_everywhere_;  ///< By region, smoothed; 0: not heard of.
   LoadLevels load_levels_;
+  HomeLines home_lines_;
   std::size_t largest_cluster_ = 0;       ///< As of the last decision, if it was asked.
   /// Of bodies that are not hosted here; valid within migrate().
   std::span<const RemoteAura> remote_auras_;

@@ -94,7 +94,8 @@ void RegionCore::foresee_deeds(std::vector<HostedBody>& hosted, Tick now) {
     // What rests beyond the boundary is not told of before something comes near to it.
     const AuraBox room = reach.box();
     const bool leaves_home =
-        !audience_of(map_, self_, hosted[*body].position, std::max(room.half.x(), room.half.z()))
+        !audience_of(home_lines_.map(), self_, hosted[*body].position,
+                     std::max(room.half.x(), room.half.z()) + home_lines_.margin_m())
              .empty();
     const auto remote = aura_exchange_.remote();
     players_.note_company(avatar->player,
@@ -172,13 +173,13 @@ MigrationDecision RegionCore::decide(Tick now) {
       linked[id.as_region().value] =
           peer.up && !peer.recovering && !waits_for_auras(id.as_region(), peer, now);
   MigrationDecision decision;
-  hosted_bodies_.begin(hosting_, remote_auras_, policy_->depth_m(), now);
+  hosted_bodies_.begin(hosting_, remote_auras_, policy_->depth_m() + home_lines_.margin_m(), now);
   const Touching contacts(hosting_.physics());
   for (const bool whole : {false, true}) {
     const std::span<const HostedBody> hosted = look_at_hosted(now, whole);
     decision = policy_->decide({.now = now,
                                 .self = self_,
-                                .map = map_,
+                                .map = home_lines_.map(),
                                 .hosted = hosted,
                                 .remote = remote_auras_,
                                 .requested = handover_requests_,
@@ -189,6 +190,7 @@ MigrationDecision RegionCore::decide(Tick now) {
                                 .awake = awake_everywhere_,
                                 .order = {load_levels_.in_force(now)},
                                 .order_before = {load_levels_.in_force_before(now)},
+                                .map_margin_m = home_lines_.margin_m(),
                                 .asks_largest = load_levels_.is_to_choose(now)});
     if (!decision.sees_too_little) break;
     ++extra_.whole_looks;
@@ -225,8 +227,10 @@ void RegionCore::find_remote_auras() {
 
 void RegionCore::migrate(Tick now) {
   if (!decides_at(now)) return;
+  const bool home_is_elsewhere = home_lines_.move(now);
+  if (home_is_elsewhere) hosted_bodies_.move_home(home_lines_.map(), self_, home_lines_.margin_m());
   // Most of a world sleeps most of the time; what was decided then still holds.
-  if (nothing_stirs(now)) return;
+  if (!home_is_elsewhere && nothing_stirs(now)) return;
   find_remote_auras();
   const MigrationDecision decision = decide(now);
   enter(StepProfile::Part::aura);

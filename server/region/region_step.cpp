@@ -304,6 +304,7 @@ SharedBytes RegionCore::status_frame(Tick now, const ShellMeasurements& measured
   const RegionStatistics s = statistics();
   const LoadLevels::Told level =
       load_levels_.tell(now, awake_everywhere_[self_.value], static_cast<double>(largest_cluster_));
+  const LoadLevels::Told line_level = home_lines_.tell(now, awake_everywhere_[self_.value]);
   flatbuffers::FlatBufferBuilder builder(256);
   std::vector<wire::ToleranceMark> outside;
   for (const ToleranceEvent& e : tolerances_.outside())
@@ -312,12 +313,13 @@ SharedBytes RegionCore::status_frame(Tick now, const ShellMeasurements& measured
   const auto outside_at = builder.CreateVectorOfStructs(outside);
   return std::make_shared<const Bytes>(finish_frame(
       builder,
-      wire::CreateRegionStatus(
-          builder, now.value, static_cast<std::uint32_t>(s.bodies),
-          static_cast<std::uint32_t>(s.awake), measured.frame_us_p50, measured.frame_us_max,
-          s.migrations_in, s.migrations_out, measured.overruns, measured.skipped_ticks,
-          s.removed_strays, static_cast<std::uint32_t>(s.unacknowledged), recovering(), outside_at,
-          s.tolerance_events, s.struck_stand_ins, s.whole_looks, level.now, level.next),
+      wire::CreateRegionStatus(builder, now.value, static_cast<std::uint32_t>(s.bodies),
+                               static_cast<std::uint32_t>(s.awake), measured.frame_us_p50,
+                               measured.frame_us_max, s.migrations_in, s.migrations_out,
+                               measured.overruns, measured.skipped_ticks, s.removed_strays,
+                               static_cast<std::uint32_t>(s.unacknowledged), recovering(),
+                               outside_at, s.tolerance_events, s.struck_stand_ins, s.whole_looks,
+                               level.now, level.next, line_level.now, line_level.next),
       FrameType::region_status));
 }
 
@@ -336,6 +338,7 @@ void RegionCore::publish(Tick now, const SharedBytes& update, const ShellMeasure
   SharedBytes status, sign_of_life;
   if (now.value % status_interval_ticks == 0) {
     note_awake(self_, hosting_.physics().awake_count());
+    home_lines_.note_awake(hosting_.physics().awake_count());
     status = status_frame(now, measured);
   }
   for (auto& [id, peer] : peers_) {

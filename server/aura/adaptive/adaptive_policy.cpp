@@ -163,7 +163,7 @@ class AdaptivePolicy final : public MigrationPolicy {
     const WorldPosition centre = WorldPosition::from(box.centre);
     const double reach_m = std::max(box.half.x(), box.half.z());
     if (s.map.has_corners() || !s.map.area(s.self).contains(centre.x, centre.z))
-      return audience_of(s.map, s.self, centre, audience_room * reach_m);
+      return audience_of(s.map, s.self, centre, audience_room * reach_m + s.map_margin_m);
     RegionSet told = audience_at_home(s.map, s.self, centre, home_audience_room * reach_m);
     contests_.neighbourhood().add_others_near(box, home_audience_m, told);
     return told;
@@ -172,7 +172,7 @@ class AdaptivePolicy final : public MigrationPolicy {
   /// Tells of each aura its audience, and the hosts of auras near it. Some room beyond the aura, so
   /// that whoever is about to be met has heard of it.
   void project(const MigrationSituation& s, MigrationDecision& decision) {
-    const Rectangle& home = s.map.area(s.self);
+    const Rectangle home = s.map.area(s.self).inner(s.map_margin_m);
     decision.projected.reserve(s.remote.size() + 64);  // About as many as others tell of.
     for (const std::uint32_t i : outlook_.stage().ascending()) {
       const auto cluster = clusters_.known(i);

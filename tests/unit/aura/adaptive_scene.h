@@ -121,6 +121,7 @@ struct Scene {
   std::vector<double> awake;                         ///< By region.
   std::vector<std::uint16_t> levels, levels_before;  ///< By region; empty: all alike.
   bool asks_largest = false;
+  double map_margin_m = 0;
 
   /// The same with those who sleep, and with whom nothing is to happen, among the hosted bodies or
   /// apart: what comes of it must not depend on it.
@@ -139,6 +140,7 @@ struct Scene {
                                  .awake = awake,
                                  .order = {levels},
                                  .order_before = {levels_before},
+                                 .map_margin_m = map_margin_m,
                                  .asks_largest = asks_largest};
     if (asleep == Asleep::among_hosted) return policy.decide(situation);
     Sleepers sleepers(map.area(RegionId{self}));

@@ -4,6 +4,7 @@
 
 #include "server/aura/audience.h"
 #include "server/aura/aura_box.h"
+#include "server/aura/partition_lines.h"
 #include "tests/support/catch.h"
 #include "tests/unit/aura/aura_maps.h"
 
@@ -84,5 +85,45 @@ TEST_CASE("of two auras at home that overlap one side hears, also if they meet i
   }
   REQUIRE(met > 2'000);
   REQUIRE(met_in_a_third > 10);
+  REQUIRE(unheard == 0);
+}
+
+TEST_CASE("of two servers that disagree where they end, one that knows it tells the other") {
+  std::mt19937 dice(11);
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(dice);
+  };
+  int met = 0, between_lines = 0, unheard = 0;
+  for (const PartitionMap& map : {quarters(), t_shape()}) {
+    const PartitionLines lines(map);
+    const double margin_m = 2 * lines.longest_shift_m();
+    const auto map_of_somebody = [&] {
+      std::vector<double> loads;
+      for (std::size_t k = 0; k < map.size(); ++k) loads.push_back(between(900, 1100));
+      return PartitionMap(lines.areas(lines.shifts_m(loads)));
+    };
+    // As the adaptive mode asks where three regions meet.
+    const auto told = [](const PartitionMap& by, RegionId host, const AuraBox& box, double margin) {
+      if (is_inside(Rectangle(by.area(host)).inner(margin), box)) return RegionSet{};
+      const double reach_m = std::max(box.half.x(), box.half.z());
+      return audience_of(by, host, WorldPosition::from(box.centre), 1.5 * reach_m + margin);
+    };
+    for (int i = 0; i < 100'000; ++i) {
+      const PartitionMap up_to_date = map_of_somebody(), behind = map_of_somebody();
+      const AuraBox a{{between(-20, 20), 0, between(-20, 20)}, {between(0.1, 3), 1, 1}};
+      const AuraBox b{{a.centre.x() + between(-3, 3), 0, a.centre.z()}, {between(0.1, 3), 1, 1}};
+      if (!a.overlaps(b)) continue;
+      // Each is at home by the map of its server.
+      const RegionId host_a = up_to_date.region_at(a.centre.x(), a.centre.z());
+      const RegionId host_b = behind.region_at(b.centre.x(), b.centre.z());
+      if (host_a == host_b) continue;
+      ++met;
+      const bool a_is_told = told(up_to_date, host_a, a, 0).contains(host_b);
+      between_lines += !a_is_told && !told(behind, host_b, b, 0).contains(host_a);
+      unheard += !a_is_told && !told(behind, host_b, b, margin_m).contains(host_a);
+    }
+  }
+  REQUIRE(met > 2'000);
+  REQUIRE(between_lines > 100);
   REQUIRE(unheard == 0);
 }

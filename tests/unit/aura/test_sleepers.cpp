@@ -138,6 +138,17 @@ TEST_CASE("who reaches out of the region is known without a search") {
   REQUIRE(sleepers.take(name(1)));
   REQUIRE_FALSE(sleepers.take(name(1)));
   REQUIRE(beyond() == std::vector{3});
+  // The region ends elsewhere: nobody is forgotten, and nobody stays who lies inside now.
+  sleepers.put(asleep_at(1, 10.3));
+  sleepers.move_home({10, -inf, 14, inf});
+  REQUIRE(beyond() == std::vector{0, 1, 2, 3});
+  sleepers.move_home({9, -inf, 30, inf});
+  REQUIRE(beyond().empty());
+  sleepers.move_home({12, -inf, 19, inf});
+  REQUIRE(beyond() == std::vector{1, 3});
+  REQUIRE(sleepers.take(name(3)));
+  REQUIRE(beyond() == std::vector{1});
+  REQUIRE(sleepers.take(name(1)));
   REQUIRE(sleepers.place_of(name(0)));
   REQUIRE_FALSE(sleepers.place_of(name(1)));
 }

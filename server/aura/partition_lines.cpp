@@ -1,0 +1,76 @@
+// Sides of rectangles that lie at one coordinate move together.
+#include "server/aura/partition_lines.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/base/check.h"
+
+namespace aureole {
+namespace {
+
+double mean_load(const std::vector<RegionId>& regions, std::span<const double> loads) {
+  double sum = 0;
+  for (const RegionId region : regions) sum += loads[region.value];
+  return sum / static_cast<double>(regions.size());
+}
+
+}  // namespace
+
+PartitionLines::PartitionLines(const PartitionMap& map) {
+  for (std::uint16_t k = 0; k < map.size(); ++k) areas_.push_back(map.area(RegionId{k}));
+  find_lines(&Rectangle::min_x, &Rectangle::max_x);
+  find_lines(&Rectangle::min_z, &Rectangle::max_z);
+}
+
+void PartitionLines::find_lines(double Rectangle::*min, double Rectangle::*max) {
+  std::vector<double> places;
+  for (const Rectangle& area : areas_)
+    if (std::isfinite(area.*max)) places.push_back(area.*max);
+  std::sort(places.begin(), places.end());
+  places.erase(std::unique(places.begin(), places.end()), places.end());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    Line line{min, max, places[i], shift_max_m, {}, {}};
+    if (i > 0) line.shift_max_m = std::min(line.shift_max_m, (places[i] - places[i - 1]) / 8);
+    if (i + 1 < places.size())
+      line.shift_max_m = std::min(line.shift_max_m, (places[i + 1] - places[i]) / 8);
+    for (std::uint16_t k = 0; k < areas_.size(); ++k) {
+      if (areas_[k].*max == line.at_m) line.below.push_back(RegionId{k});
+      if (areas_[k].*min == line.at_m) line.above.push_back(RegionId{k});
+    }
+    AUREOLE_CHECK(!line.above.empty(), "where an area ends another one begins");
+    lines_.push_back(std::move(line));
+  }
+}
+
+std::vector<double> PartitionLines::shifts_m(std::span<const double> loads) const {
+  AUREOLE_CHECK(loads.size() == areas_.size(), "every region has a load");
+  std::vector<double> shifts;
+  for (const Line& line : lines_) {
+    const double below = mean_load(line.below, loads), above = mean_load(line.above, loads);
+    const double share = std::clamp(std::min(above, below) - 1, 0.0, 1.0);
+    const double wanted_m = share * gain_m * (above - below) / (above + below);
+    const double steps = std::round(wanted_m / grain_m);
+    shifts.push_back(std::clamp(steps * grain_m, -line.shift_max_m, line.shift_max_m));
+  }
+  return shifts;
+}
+
+std::vector<Rectangle> PartitionLines::areas(std::span<const double> shifts_m) const {
+  AUREOLE_CHECK(shifts_m.size() == lines_.size(), "every line has a shift");
+  std::vector<Rectangle> moved = areas_;
+  for (std::size_t i = 0; i < lines_.size(); ++i) {
+    const Line& line = lines_[i];
+    for (const RegionId region : line.below) moved[region.value].*line.max += shifts_m[i];
+    for (const RegionId region : line.above) moved[region.value].*line.min += shifts_m[i];
+  }
+  return moved;
+}
+
+double PartitionLines::longest_shift_m() const {
+  double longest_m = 0;
+  for (const Line& line : lines_) longest_m = std::max(longest_m, line.shift_max_m);
+  return longest_m;
+}
+
+}  // namespace aureole

@@ -1,0 +1,180 @@
+// Where regions end: the same for all who have heard, and known to be uncertain by who has not.
+#include "server/region/home_lines.h"
+
+#include <optional>
+#include <vector>
+
+#include "tests/support/catch.h"
+#include "tests/support/region_cluster.h"
+
+using namespace aureole;
+
+namespace {
+
+constexpr std::int64_t term = LoadLevels::term_ticks, half = term / 2;
+/// Lines follow levels half a term later.
+constexpr std::int64_t later = half;
+constexpr RegionId left{0}, right{1}, last{3};
+
+/// Four regions around one corner.
+PartitionMap corner() {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  return PartitionMap({{-inf, -inf, 0, 0}, {0, -inf, inf, 0}, {-inf, 0, 0, inf}, {0, 0, inf, inf}});
+}
+
+/// The servers of that corner, who tell each other at every sixteenth tick.
+struct Servers {
+  std::vector<HomeLines> all;
+  std::vector<std::size_t> awake{1000, 500, 1000, 500};
+
+  Servers() {
+    for (std::uint16_t k = 0; k < 4; ++k) all.emplace_back(corner(), RegionId{k}, true);
+  }
+  /// `deaf`: does not hear `silent`.
+  void run(std::int64_t from, std::int64_t to, std::optional<RegionId> deaf = {},
+           RegionId silent = left) {
+    for (std::int64_t tick = from; tick < to; ++tick) {
+      for (HomeLines& lines : all) lines.move(Tick{tick});
+      if (tick % 16 == 0) tell(Tick{tick}, deaf, silent);
+    }
+  }
+  void tell(Tick now, std::optional<RegionId> deaf, RegionId silent) {
+    for (std::uint16_t k = 0; k < 4; ++k) {
+      all[k].note_awake(awake[k]);
+      const LoadLevels::Told told = all[k].tell(now, static_cast<double>(awake[k]));
+      for (std::uint16_t other = 0; other < 4; ++other)
+        if (other != k && !(deaf == RegionId{other} && silent == RegionId{k}))
+          all[other].hear(RegionId{k}, now, told);
+    }
+  }
+  double line_of(RegionId region) const { return all[region.value].map().area(left).max_x; }
+};
+
+}  // namespace
+
+TEST_CASE("lines move for all servers at the same tick, a quarter of the way when a term begins") {
+  Servers servers;
+  servers.run(0, later);
+  for (int n = 0; n < 6; ++n) {
+    servers.run(later + n * term, later + n * term + 1);
+    for (const RegionId region : {left, right, last}) {
+      // Twice as much to do on the left.
+      CHECK(servers.line_of(region) == -3 * std::min(n, 4));
+      CHECK(servers.all[region.value].margin_m() == 0);
+    }
+    servers.run(later + n * term + 1, later + (n + 1) * term);
+    CHECK(servers.line_of(left) == -3 * std::min(n, 4));
+  }
+}
+
+TEST_CASE("who has not heard of a level keeps a margin, until it has") {
+  Servers servers;
+  servers.awake = {1000, 500, 200, 500};
+  servers.run(0, half);
+  servers.run(half, term + later + 1, right, left);
+  CHECK(servers.line_of(left) == -3);
+  CHECK(servers.line_of(right) == 3);
+  // Lines may be 12 m to either side for somebody else.
+  CHECK(servers.all[right.value].margin_m() == 24);
+  CHECK(servers.all[left.value].margin_m() == 0);
+  CHECK(servers.all[last.value].margin_m() == 0);
+  servers.run(term + later + 1, term + later + 20);
+  CHECK(servers.line_of(right) == -3);
+  CHECK(servers.all[right.value].margin_m() == 0);
+}
+
+TEST_CASE("who never hears of a term keeps the margin for as long as lines depend on it") {
+  Servers servers;
+  servers.run(0, term + half);
+  servers.run(term + half, 3 * term, right, left);
+  servers.run(3 * term, 6 * term + later);
+  CHECK(servers.all[right.value].margin_m() == 24);  // The second term counts until the sixth.
+  servers.run(6 * term + later, 6 * term + later + 1);
+  CHECK(servers.all[right.value].margin_m() == 0);
+  CHECK(servers.line_of(right) == servers.line_of(left));
+}
+
+TEST_CASE("who has just started says of no level that it is in force, and others know it") {
+  Servers servers;
+  servers.run(0, 6 * term + 8);
+  servers.all[left.value] = HomeLines(corner(), left, true);
+  HomeLines& anew = servers.all[left.value];
+  CHECK(anew.tell(Tick{6 * term + 9}, 1000).now == LoadLevels::unknown);
+  servers.run(6 * term + 9, 7 * term + later);
+  CHECK(servers.line_of(right) == -12);
+  CHECK(servers.line_of(last) == -12);
+  servers.run(7 * term + later, 10 * term + later);
+  CHECK(anew.margin_m() == 24);
+  // Then it knows as much as anybody.
+  servers.run(10 * term + later, 10 * term + later + 1);
+  CHECK(anew.margin_m() == 0);
+  CHECK(servers.line_of(left) == servers.line_of(right));
+}
+
+TEST_CASE("lines follow what lasts: not the blow that wakes a heap for a moment") {
+  Servers servers;
+  servers.awake = {1000, 1000, 1000, 1000};
+  servers.run(0, 12 * term);
+  servers.awake = {2000, 1000, 2000, 1000};
+  servers.run(12 * term, 12 * term + half);
+  servers.awake = {1000, 1000, 1000, 1000};
+  servers.run(12 * term + half, 13 * term + 1);
+  CHECK(std::abs(servers.line_of(left)) <= 3);
+  servers.run(13 * term + 1, 60 * term);
+  CHECK(std::abs(servers.line_of(left)) < 1);
+}
+
+TEST_CASE("a world that has calmed down ends where the map says, within five terms") {
+  Servers servers;
+  servers.run(0, 5 * term);
+  REQUIRE(servers.line_of(left) == -12);
+  servers.awake = {0, 0, 0, 0};
+  servers.run(5 * term, 9 * term + later + 1);
+  CHECK(servers.line_of(left) == 0);
+}
+
+TEST_CASE("lines that do not move tell nothing and fear nothing") {
+  HomeLines lines(corner(), left, false);
+  lines.note_awake(5000);
+  CHECK(lines.tell(Tick{half}, 5000) == LoadLevels::Told{});
+  lines.hear(right, Tick{half}, {0, 9000});
+  CHECK_FALSE(lines.move(Tick{10 * term}));
+  CHECK(lines.margin_m() == 0);
+  CHECK(lines.map().area(left) == corner().area(left));
+}
+
+TEST_CASE("whatever levels come, lines lie within their bounds") {
+  HomeLines lines(corner(), left, true);
+  for (const int level : {0, 1, 32'767, 65'534, 65'535})
+    for (const std::int64_t tick : {0L, 64L, 1'000'000'000L}) {
+      const auto told = static_cast<std::uint16_t>(level);
+      lines.hear(right, Tick{tick}, {told, told});
+      lines.move(Tick{tick});
+      CHECK(std::abs(lines.map().area(left).max_x) <= 12);
+    }
+}
+
+TEST_CASE("what rests near the line goes to the neighbour who has less to do, and home again") {
+  // Two regions on the right, and balls that fall from high up, most of them on the left.
+  WorldDefinition world = testing::flat_world(2);
+  RegionDefinition third = world.regions[1];
+  third.name = "third";
+  third.area.min_z = world.regions[1].area.max_z = 0;
+  world.regions.push_back(third);
+  for (int i = 0; i < 24; ++i)
+    testing::put(world, testing::ball, {5.0 + 2 * (i % 4), 300.0, -10.0 - 2 * (i / 4)});
+  for (int i = 0; i < 8; ++i)  // One server has three times as much to do as each of the others.
+    testing::put(world, testing::ball, {80.0 + 2 * (i % 4), 300.0, i < 4 ? -20.0 : 20.0});
+  const BodyId box =
+      testing::put(world, testing::box, {45, 0.5, -30}, {0, 0, 0}, Activation::asleep);
+  testing::RegionCluster cluster(world, 1);
+  for (int i = 0; i < 3; ++i) cluster.core(i).level_from(1);
+  cluster.step(static_cast<int>(term));
+  CHECK(cluster.owner(box) == 0);
+  cluster.step(static_cast<int>(2 * term + later));  // By then it is 6 m further to the left.
+  CHECK(cluster.owner(box) == 1);
+  CHECK(cluster.faults().empty());
+  cluster.step(2000);
+  CHECK(cluster.owner(box) == 0);
+  CHECK(cluster.faults().empty());
+}
