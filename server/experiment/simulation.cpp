@@ -227,7 +227,9 @@ void Simulation::look() {
   interactions_.look(seen_tick, seen_);
   if (seen_.size() < share_bodies_min) return;
   const auto foreign = std::count_if(seen_.begin(), seen_.end(), [&](const SeenBody& b) {
-    return map_.region_at(b.state.position.x, b.state.position.z) != b.owner;
+    const SimulatedServer& owner = servers_[b.owner.value];
+    const PartitionMap& homes = owner.runs() ? owner.core().home_lines().map() : map_;
+    return homes.region_at(b.state.position.x, b.state.position.z) != b.owner;
   });
   result_.foreign_hosted_share_max =
       std::max(result_.foreign_hosted_share_max,
@@ -248,17 +250,12 @@ bool Simulation::all_run() const {
                      [](const auto& s) { return s.runs() && !s.is_recovering(); });
 }
 
-/// Lines that have moved come back soon after a world has calmed down, and then things go home.
-bool Simulation::ends_where_the_map_says(const SimulatedServer& server) const {
-  const RegionId self = server.self();
-  return server.core().homes().area(self) == map_.area(self);
-}
-
-/// What has just fallen asleep may still go home within the second.
+/// What has just fallen asleep may still go home within the second. Lines that have moved come back
+/// soon after a world has calmed down, and then things go home.
 bool Simulation::all_rest() {
   const bool asleep =
       all_run() && std::all_of(servers_.begin(), servers_.end(), [&](const SimulatedServer& s) {
-        return s.core().physics().awake_count() == 0 && ends_where_the_map_says(s);
+        return s.core().physics().awake_count() == 0 && s.core().home_lines().settled();
       });
   if (!asleep) stirred_ = now_;
   return now_ - stirred_ >= calm_ticks && ownership_.changes_since(now_ - homeward_ticks).empty();

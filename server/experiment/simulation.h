@@ -38,8 +38,9 @@ class Simulation {
  public:
   /// Faults stop at this share of the run's time; then everything must settle.
   static constexpr double faults_share = 0.6;
-  /// After the run's time it waits so long (virtual) for everything to fall asleep.
-  static constexpr double calm_extension_s = 20;
+  /// After the run's time it waits so long (virtual) for everything to fall asleep; lines that have
+  /// moved take 13 s of it to come back, and then things go home.
+  static constexpr double calm_extension_s = 40;
   /// How far 99 % of the handoffs may move a body at most, without faults and within tolerances.
   static constexpr double jump_mm_p99_max = 5;
 
@@ -75,7 +76,6 @@ class Simulation {
   void judge_jumps();
   bool pours() const;
   bool all_run() const;
-  bool ends_where_the_map_says(const SimulatedServer& server) const;
   bool all_rest();
   bool players_act(Micros now) const;
 

@@ -33,7 +33,8 @@ void HomeLines::note_awake(std::size_t awake) {
 
 LoadLevels::Told HomeLines::tell(Tick now, double lately) {
   if (!moves_) return {};
-  LoadLevels::Told told = levels_.tell(now, std::min(awake_, calm_factor * lately));
+  told_ = std::min(awake_, calm_factor * lately);
+  LoadLevels::Told told = levels_.tell(now, told_);
   // Others know better than a server that has just started at which level it is.
   if (!levels_.knows(self_, now)) told.now = LoadLevels::unknown;
   return told;
@@ -93,6 +94,15 @@ bool HomeLines::move(Tick now) {
   if (same) return surer;
   map_ = PartitionMap(std::move(areas), map_.version() + 1);
   return true;
+}
+
+bool HomeLines::settled() const {
+  const auto asks_nothing = [](const Wanted& wanted) {
+    return std::all_of(wanted.shifts_m.begin(), wanted.shifts_m.end(),
+                       [](double shift_m) { return shift_m == 0; });
+  };
+  return !levels_.counts(told_) && levels_.none_loaded() &&
+         std::all_of(wanted_.begin(), wanted_.end(), asks_nothing);
 }
 
 }  // namespace aureole

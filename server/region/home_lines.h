@@ -44,6 +44,9 @@ class HomeLines {
   /// How far others' lines may be from ours, as of the last move() (m): 0, unless we have not heard
   /// of a level that the lines in force depend on.
   double margin_m() const { return margin_m_; }
+  /// Whether lines are where the world has them, and stay there unless somebody gets more to do:
+  /// nothing that is known here moves them.
+  bool settled() const;
 
  private:
   /// What the levels of a term ask for.
@@ -62,6 +65,7 @@ class HomeLines {
   bool moves_;
   double margin_m_ = 0;
   double awake_ = 0;  ///< Smoothed.
+  double told_ = 0;   ///< The load that our last status was about.
   std::int64_t looks_ = 0;
   std::int64_t term_ = -1;                    ///< As of the last move().
   std::array<Wanted, terms_in_mind> wanted_;  ///< Of that term first, then of those before.

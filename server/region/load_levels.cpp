@@ -67,6 +67,13 @@ bool LoadLevels::knows_all(Tick now) const {
   return true;
 }
 
+bool LoadLevels::none_loaded() const {
+  return std::all_of(known_.begin(), known_.end(), [](const Known& known) {
+    return std::all_of(known.begin(), known.end(),
+                       [](const Announced& a) { return a.level == 0; });
+  });
+}
+
 void LoadLevels::look_up(Tick at, std::vector<std::uint16_t>& levels) const {
   levels.clear();
   for (const Known& known : known_) levels.push_back(level_in(known, term_of(at)));

@@ -53,6 +53,10 @@ class LoadLevels {
   bool knows(RegionId region, Tick now) const;
   /// Of all servers.
   bool knows_all(Tick now) const;
+  /// Whether no server has told, or chosen here, of a load that counts, for as long as is kept.
+  bool none_loaded() const;
+  /// Whether so many bodies awake would be at a level of their own.
+  bool counts(double awake) const { return awake > awake_min_; }
 
   /// By region. Valid until the next call.
   std::span<const std::uint16_t> in_force(Tick now);

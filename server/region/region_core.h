@@ -140,7 +140,7 @@ class RegionCore {
   const Journal& journal(RegionId peer) const { return peers_.at(PeerId::region(peer)).journal; }
   const PartitionMap& partition() const { return map_; }
   /// Where regions end now as far as homes are concerned; see home_lines.h.
-  const PartitionMap& homes() const { return home_lines_.map(); }
+  const HomeLines& home_lines() const { return home_lines_; }
   const StandInWatch& stand_in_watch() const { return stand_in_watch_; }
 
   /// Work per step to bring late groups to the present: bodies × steps. What is above it waits.

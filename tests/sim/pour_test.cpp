@@ -37,11 +37,18 @@ double foreign_hosted_share(MigrationMode mode, int bodies) {
     return std::all_of(simulation.seen().begin(), simulation.seen().end(),
                        [](const SeenBody& b) { return b.state.activation == Activation::asleep; });
   };
+  // Lines that have moved come back once a world is calm, and then everything goes home.
+  const auto lines_are_back = [&] {
+    for (std::uint16_t r = 0; r < map.size(); ++r)
+      if (!simulation.server(r).core().home_lines().settled()) return false;
+    return true;
+  };
   const auto all_there = static_cast<std::size_t>(bodies);
   std::int64_t calm_ticks = 0;
   for (std::int64_t tick = 0; tick < ticks_from_ms(1000 * longest_s) && calm_ticks < 128; ++tick) {
     simulation.tick();
-    calm_ticks = simulation.seen().size() == all_there && asleep() ? calm_ticks + 1 : 0;
+    const bool calm = simulation.seen().size() == all_there && asleep() && lines_are_back();
+    calm_ticks = calm ? calm_ticks + 1 : 0;
   }
   CHECK(calm_ticks == 128);
   CHECK(simulation.seen().size() == all_there);

@@ -128,9 +128,23 @@ TEST_CASE("a world that has calmed down ends where the map says, within five ter
   Servers servers;
   servers.run(0, 5 * term);
   REQUIRE(servers.line_of(left) == -12);
+  CHECK_FALSE(servers.all[left.value].settled());
   servers.awake = {0, 0, 0, 0};
   servers.run(5 * term, 9 * term + later + 1);
   CHECK(servers.line_of(left) == 0);
+  CHECK(servers.all[left.value].settled());
+}
+
+TEST_CASE("lines are not settled while something is known that will move them") {
+  Servers servers;
+  HomeLines& lines = servers.all[left.value];
+  CHECK(lines.settled());
+  servers.run(0, 1);
+  CHECK_FALSE(lines.settled());  // There is a load, though no level has been chosen yet.
+  servers.awake = {100, 100, 100, 100};
+  for (HomeLines& each : servers.all) each = HomeLines(corner(), left, true);
+  lines.hear(right, Tick{half}, {0, 300});
+  CHECK_FALSE(lines.settled());  // Its neighbour will have.
 }
 
 TEST_CASE("lines that do not move tell nothing and fear nothing") {
