@@ -63,7 +63,8 @@ struct HostedBody {
   /// When it last changed its owner, and the time before that.
   Tick changed_owner;
   Tick changed_owner_before{-1'000'000};
-  RegionId came_from{};  ///< Whose it was before; its present owner if it was born here.
+  RegionId came_from{};   ///< Whose it was before; its present owner if it was born here.
+  Tick came{-1'000'000};  ///< When it was looked at here for the first time.
 };
 
 /// Of a body whose aura overlaps others': who would go with it.

@@ -138,10 +138,12 @@ void Hosting::tell_history(const Record& record, HostedBody& body) {
   body.changed_owner = record.changed_owner;
   body.changed_owner_before = record.changed_owner_before;
   body.came_from = record.came_from;
+  body.came = record.came;
 }
 
 void Hosting::look(HostedBody& body, Tick now, float slow_for_s) {
   Record& record = record_in_order(body.id);
+  if (record.looked_at == born_now) record.came = now;
   if (record.lies) {
     record.moved = never_changed;
   } else if (record.looked_at < look_before_ || !record.moved) {

@@ -98,6 +98,7 @@ class Hosting {
     std::optional<Tick> moved;  ///< When it was last seen to move.
     Tick changed_owner_before;  ///< The change before the last one.
     RegionId came_from;
+    Tick came{-1'000'000};      ///< When it was looked at here for the first time.
     Tick looked_at = born_now;  ///< When it was last looked at; whoever comes is looked at.
     bool lies = false;          ///< It lay down, and no decision has been made since it woke.
   };

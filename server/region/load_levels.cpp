@@ -69,8 +69,7 @@ bool LoadLevels::knows_all(Tick now) const {
 
 bool LoadLevels::none_loaded() const {
   return std::all_of(known_.begin(), known_.end(), [](const Known& known) {
-    return std::all_of(known.begin(), known.end(),
-                       [](const Announced& a) { return a.level == 0; });
+    return std::all_of(known.begin(), known.end(), [](const Announced& a) { return a.level == 0; });
   });
 }
 

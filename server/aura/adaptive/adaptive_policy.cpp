@@ -56,6 +56,7 @@ class AdaptivePolicy final : public MigrationPolicy {
         outlook_(reach_time_s(tolerances)),
         contests_(tolerances) {
     visitors_.set_tolerances(tolerances);
+    homecoming_.set_tolerances(tolerances);
   }
 
   std::int64_t interval_ticks() const override { return decision_ticks; }
@@ -66,6 +67,7 @@ class AdaptivePolicy final : public MigrationPolicy {
     outlook_.set_reach(reach_time_s(tolerances));
     contests_.set_tolerances(tolerances);
     visitors_.set_tolerances(tolerances);
+    homecoming_.set_tolerances(tolerances);
   }
 
   MigrationDecision decide(const MigrationSituation& s) override {

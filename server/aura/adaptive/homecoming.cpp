@@ -167,7 +167,9 @@ bool Homecoming::may_leave(std::uint32_t i, bool contested) {
   const HostedBody& body = outlook_->body(i);
   // Who goes home may be met there at once, and fetched back.
   const std::int64_t stay = nothing_moves_ ? calm_stay_ticks : long_stay_ticks;
+  // Who was born abroad, where lines have moved, may be met by somebody who has yet to hear of it.
   return is_away(i) && !contested && situation_->now - body.changed_owner >= stay &&
+         situation_->now - body.came >= news_ticks_ &&
          (!outlook_->rests(i) || (!stirs(body.id) && !is_threatened(i, Link::leaning) &&
                                   !is_threatened(i, Link::touching)));
 }

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/aura/adaptive/aura_size.h"
 #include "server/aura/adaptive/clusters.h"
 #include "server/aura/adaptive/outlook.h"
 #include "server/aura/migration_policy.h"
@@ -25,6 +26,10 @@ class Contests;
 /// less to do keeps what lies near to it (line_shift_m()).
 class Homecoming {
  public:
+  void set_tolerances(const AuraTolerances& tolerances) {
+    news_ticks_ = verdict_hold_ticks(tolerances);
+  }
+
   struct Pocket {
     std::vector<Clusters::Number> clusters;
     RegionId home;
@@ -54,6 +59,7 @@ class Homecoming {
   std::vector<Clusters::Number> pocket_of(Clusters::Number first, RegionId home,
                                           const Contests& contests);
 
+  std::int64_t news_ticks_ = 0;
   const MigrationSituation* situation_ = nullptr;  ///< Within pockets().
   Outlook* outlook_ = nullptr;
   Clusters* clusters_ = nullptr;

@@ -31,7 +31,13 @@ void Visitors::find(const RemoteAura& aura, std::vector<std::uint32_t>& found) {
   found.clear();
   outlook_->find(wide, found);
   make_room();
-  for (const std::uint32_t body : found) near_[body].add(aura.host);
+  if (found.empty()) return;
+  RegionSet visitors;
+  visitors.add(aura.host);
+  const WorldPosition at = WorldPosition::from(wide.centre);
+  if (const RegionId home = situation_->map.region_at(at.x, at.z); home != situation_->self)
+    visitors.add(home);
+  for (const std::uint32_t body : found) near_[body].add(visitors);
 }
 
 void Visitors::warn() {

@@ -27,7 +27,9 @@ class Visitors {
   /// Begins a decision; both must outlive it.
   void begin(const MigrationSituation& situation, Outlook& outlook);
 
-  /// Replaces `found` by all bodies that the aura is near to: its host visits them.
+  /// Replaces `found` by all bodies that the aura is near to: its host visits them, and so does
+  /// the region that it lies in. It may go home there without a word from us, and must find what it
+  /// leans on.
   void find(const RemoteAura& aura, std::vector<std::uint32_t>& found);
   /// Warns those who host something on the way of what moves here: it must not come home into the
   /// way.

@@ -258,3 +258,19 @@ TEST_CASE(
     }
   }
 }
+
+TEST_CASE("what is near to a visitor is told to the region that the visitor lies in, too") {
+  Scene scene;
+  scene.map = columns(3);
+  scene.self = 1;
+  scene.hosted = {asleep_at(0, 10.45)};  // Its aura ends before the region does.
+  for (const double x : {9.85, 10.9}) {
+    scene.remote = {aura(1, 2, true, x)};
+    const auto decision = scene.decide();
+    REQUIRE(decision.projected.size() == 1);
+    // It may go home to the first region from the third one, and lean on ours there.
+    CHECK(decision.projected[0].to.contains(RegionId{0}) == (x < 10));
+    CHECK(decision.projected[0].to.contains(RegionId{2}));
+    CHECK_FALSE(decision.projected[0].to.contains(RegionId{1}));
+  }
+}

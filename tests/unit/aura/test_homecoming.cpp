@@ -1,4 +1,5 @@
 // Who goes home, with whom, and what holds them back.
+#include "server/aura/adaptive/aura_size.h"
 #include "tests/support/catch.h"
 #include "tests/unit/aura/adaptive_scene.h"
 
@@ -36,6 +37,16 @@ TEST_CASE("what will soon meet goes home together or not at all") {
   REQUIRE(going_home(scene).empty());
   scene.hosted[0] = moving_at(0, 13, -0.5);  // Away from it.
   REQUIRE(going_home(scene) == names({0}));
+}
+
+TEST_CASE("who was born abroad stays until news of it has come and gone") {
+  Scene scene;
+  const std::int64_t news_ticks = verdict_hold_ticks(AuraTolerances{});
+  for (const std::int64_t ago : {std::int64_t{0}, news_ticks - 1, news_ticks}) {
+    scene.hosted = {moving_at(0, 13, 4)};
+    scene.hosted[0].came = Tick{-ago};
+    REQUIRE(going_home(scene) == (ago < news_ticks ? names({}) : names({0})));
+  }
 }
 
 TEST_CASE("what will soon meet something of its host's own region stays") {

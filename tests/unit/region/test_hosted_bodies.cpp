@@ -94,6 +94,17 @@ TEST_CASE("a sleeper is shown when something is to happen with it, and so is who
   REQUIRE(region.bodies.sleepers()->place_of(deep));
 }
 
+TEST_CASE("it is known since when somebody has been looked at here") {
+  Region region(flat_world(2));
+  region.spawn(0, 45, Activation::awake);
+  for (const std::int64_t tick : {5, 9}) {
+    region.bodies.begin(region.hosting, {}, std::numeric_limits<double>::infinity(), Tick{tick});
+    const auto& shown = region.bodies.look(region.hosting, {region.watch, 0.128}, Tick{tick});
+    REQUIRE(shown.size() == 1);
+    CHECK(shown[0].came == Tick{5});
+  }
+}
+
 TEST_CASE("a policy that looks at everything is shown everybody") {
   Region region(flat_world(2));
   region.spawn(0, 45, Activation::asleep);
