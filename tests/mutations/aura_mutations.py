@@ -1,55 +1,8 @@
-"""The mechanisms that correctness rests on, each with the change that breaks it and the tests that
-must notice.
+"""Who is brought together, who goes home, and who is told (server/aura)."""
 
-`file` is changed by replacing `old`, which must occur exactly once, with `new`. `killers` are names
-of test cases (Catch2 patterns) of `target`; at least one must fail. A mutation whose text is no
-longer there is an error: then the mechanism has changed, and its mutation has to follow.
-"""
-
-from dataclasses import dataclass
-
-
-@dataclass(frozen=True)
-class Mutation:
-    name: str
-    what: str
-    file: str
-    old: str
-    new: str
-    killers: tuple  # of (target, test case)
-
-
-REGION = "test_region"
-AURA = "test_aura"
+from mutation import AURA, REGION, Mutation
 
 MUTATIONS = [
-    Mutation(
-        "version-check",
-        "a region that recovers claims what it knows of, whatever version others have",
-        "server/region/recovery/recovery.cpp",
-        "      known.newest = std::max(known.newest, trace.version);",
-        "      known.newest = std::max(known.newest, Version{});",
-        ((REGION, "a sender that dies after its group was accepted does not claim it"),
-         (REGION, "whatever dies, no body is lost and none has two owners")),
-    ),
-    Mutation(
-        "message-taken-once",
-        "a message that is sent again is taken again",
-        "server/region/handoff/journal.cpp",
-        "  if (sequence <= taken_) return Arrival::repeated;\n",
-        "",
-        ((REGION, "a group is not doubled when the link is reset after it arrived*"),
-         (REGION, "a handoff survives a reset of the link at any moment*")),
-    ),
-    Mutation(
-        "acknowledgement",
-        "what was sent counts as taken: after a reset nothing is sent again",
-        "server/region/handoff/journal.cpp",
-        "  sent_ = peer_taken_;",
-        "  sent_ = highest_sent_;",
-        ((REGION, "a group is neither lost nor doubled when the link is reset before it arrives"),
-         (REGION, "a handoff survives a reset of the link at any moment*")),
-    ),
     Mutation(
         "symmetric-rule",
         "of two servers whose bodies meet each sends its own to the other",
@@ -79,67 +32,6 @@ MUTATIONS = [
         ((AURA, "what lies at home is told to those it reaches*"),),
     ),
     Mutation(
-        "far-stand-ins",
-        "what did not stand since nobody was near does not when somebody comes",
-        "server/region/stand_ins/stand_ins.cpp",
-        "  if (ours_->take_grown()) put_up_what_is_near();\n",
-        "",
-        ((REGION, "what none of ours is near to does not stand until one of ours comes"),),
-    ),
-    Mutation(
-        "walls-for-arrivals",
-        "what is handed over finds what it lies on standing a step too late",
-        "server/region/region_step.cpp",
-        "    stand_ins_.note_ours(coming);\n",
-        "",
-        ((REGION, "what is handed over finds standing what it lies on, from its first step on"),),
-    ),
-    Mutation(
-        "manifold-transfer",
-        "contacts do not travel with a group",
-        "server/region/hosting.cpp",
-        "  physics_.install_contacts(contacts);\n",
-        "",
-        ((REGION, "a resting stack handed over awake moves less than a millimetre"),
-         (REGION, "a tower that leans hard on its foot*")),
-    ),
-    Mutation(
-        "catch-up",
-        "the receiver does not make up for the time in flight",
-        "server/region/region_step.cpp",
-        "    catch_up(group, {hosting_.definitions(), hosting_.physics(), present, recent, "
-        "AvatarTuning{}});\n",
-        "    group.tick = present;\n",
-        ((REGION, "a flight is not changed by the handoffs on its way, at any latency"),),
-    ),
-    Mutation(
-        "wake-neighbours",
-        "what leant on a body that another server takes away is not woken",
-        "server/region/stand_ins/stand_ins.cpp",
-        "  if (!standing.empty()) physics_.remove_stand_ins(standing, Wake::touching);",
-        "  if (!standing.empty()) physics_.remove_stand_ins(standing, Wake::nobody);",
-        ((REGION, "what leant on a stand-in wakes when its body has left its place"),),
-    ),
-    Mutation(
-        "wake-left-behind",
-        "what leant on a body that is handed away is not woken",
-        "server/region/hosting.cpp",
-        "  physics_.remove(gone);",
-        "  physics_.remove(gone, Wake::nobody);",
-        ((REGION, "a sleeping support that is handed away*"),
-         (REGION, "a support that moves is handed away without a stand-in*")),
-    ),
-    Mutation(
-        "fence-before-take-back",
-        "a region that recovers waits for nobody's answer",
-        "server/region/recovery/recovery.cpp",
-        "      if (!answered || goes_first) names.push_back(name_of(id));",
-        "      static_cast<void>(answered || goes_first);",
-        ((REGION, "a sender that dies after its group was accepted does not claim it"),
-         (REGION, "of two neighbours that are down at once exactly one claims a body that moved"),
-         (REGION, "whatever dies, no body is lost and none has two owners")),
-    ),
-    Mutation(
         "all-stand-ins",
         "every foreign body is a stand-in, whether it rests or moves",
         "server/aura/adaptive/outlook.h",
@@ -158,46 +50,12 @@ MUTATIONS = [
          (REGION, "a chain of ten bodies across three regions*")),
     ),
     Mutation(
-        "durable-acknowledgement",
-        "the sender forgets a group as soon as it is taken, before it is durable",
-        "server/region/handoff/journal.cpp",
-        "entries_.front().sequence <= durable) entries_.pop_front();",
-        "entries_.front().sequence <= taken) entries_.pop_front();",
-        ((REGION, "a group that was acknowledged an instant before the crash is sent again"),),
-    ),
-    Mutation(
-        "journal-not-resent",
-        "handoffs in a snapshot's journal are sent again after a recovery",
-        "server/region/recovery/region_recovery.cpp",
-        "      if (type == FrameType::commands) journal.append(type, payload);",
-        "      if (type != FrameType::effects) journal.append(type, payload);",
-        ((REGION, "of two neighbours that are down at once exactly one claims a body that moved"),
-         (REGION, "whatever dies, no body is lost and none has two owners"),
-         (REGION, "a sender that dies with its group in flight claims it*")),
-    ),
-    Mutation(
         "whole-clusters",
         "decisions never ask for more than the strip along the boundary",
         "server/aura/adaptive/adaptive_policy.cpp",
         "    if (s.view == nullptr) return true;\n",
         "    if (s.view == nullptr || s.view != nullptr) return true;\n",
         ((REGION, "a chain that reaches deep into its region changes servers whole"),),
-    ),
-    Mutation(
-        "claimed-sleepers",
-        "what sleepers lean on is not looked for when a recovery claims them",
-        "server/region/hosting.cpp",
-        "  find_contacts_of_sleepers(claimed);  // Theirs died with their owner.\n",
-        "",
-        ((REGION, "a sleeper that was claimed knows what it leans on"),),
-    ),
-    Mutation(
-        "later-epoch-stays",
-        "a body that arrives replaces the one that is here, however old it is",
-        "server/region/hosting.cpp",
-        "      if (it->second.epoch > arriving.epoch) continue;\n",
-        "",
-        ((REGION, "of two claims to one body the later epoch stays, whichever comes first"),),
     ),
     Mutation(
         "overtaken-requests",
@@ -216,36 +74,12 @@ MUTATIONS = [
         ((AURA, "what would come with a body is told on while*"),),
     ),
     Mutation(
-        "unforeseen-blasts",
-        "a blast is a surprise",
-        "server/region/region_migration.cpp",
-        "  foresee_blasts(hosted, now);\n  double",
-        "  double",
-        ((REGION, "what a blast will throw out of a cut*"),),
-    ),
-    Mutation(
-        "blasts-while-asleep",
-        "nothing is decided while all sleep, whatever is going to happen",
-        "server/region/region_migration.cpp",
-        "!blast_ahead && ",
-        "",
-        ((REGION, "what a blast will throw far from whoever blasts*"),),
-    ),
-    Mutation(
         "led-on",
         "whom others have followed goes on to a server that nobody meets yet",
         "server/aura/adaptive/contests.cpp",
         "      if (followed && !meets_earlier) to = self;\n",
         "",
         ((AURA, "who has been followed is not led on*"),),
-    ),
-    Mutation(
-        "silent-newcomer",
-        "a link that has come up and brings nothing yet holds back all others",
-        "server/region/region_migration.cpp",
-        "!waits_for_auras(id.as_region(), peer, now);\n",
-        "!waits_for_auras(RegionId{2}, peers_.at(PeerId::region(RegionId{2})), now);\n",
-        ((REGION, "a link that has come up, and brings nothing yet, holds nothing back*"),),
     ),
     Mutation(
         "touched-sleepers",
@@ -423,14 +257,6 @@ MUTATIONS = [
         ((AURA, "a server that has little to do, or says nothing, shifts no line"),),
     ),
     Mutation(
-        "left-out-decision",
-        "a decision whose tick was left out is not made up for",
-        "server/region/region_migration.cpp",
-        "  return !started_ || now.value / interval != last_tick_.value / interval;",
-        "  return !started_ || now.value % interval == 0;",
-        ((REGION, "a decision whose tick was left out is made at the next one"),),
-    ),
-    Mutation(
         "struck-on-its-way",
         "what strikes something reaches as if it went on along its way until then only",
         "server/aura/adaptive/outlook.cpp",
@@ -455,22 +281,6 @@ MUTATIONS = [
         ((AURA, "a request by a server whose side has changed twice as well is met at once"),),
     ),
     Mutation(
-        "far-word",
-        "who is far away is expected to say a word in every step",
-        "server/region/tolerances.cpp",
-        "flight_ticks_ + link.word_every_ticks - 1",
-        "flight_ticks_",
-        ((REGION, "servers that are far apart do not miss the words that they do not say"),),
-    ),
-    Mutation(
-        "throws-at-strangers",
-        "what players do does not wait when a neighbour is back",
-        "server/region/players/players.cpp",
-        "    if (now < std::max(avatar.held_until, held_until_)) return;",
-        "    if (now < avatar.held_until) return;",
-        ((REGION, "what is thrown when a neighbour is back strikes what that one has beyond the*"),),
-    ),
-    Mutation(
         "own-order",
         "of three the lowest comes first, however much it has to do",
         "server/aura/precedence.h",
@@ -487,36 +297,27 @@ MUTATIONS = [
         ((AURA, "what has come to the one that was first a second ago does not go on at once"),),
     ),
     Mutation(
-        "restless-levels",
-        "a level follows what hangs together, which nobody can share out",
-        "server/region/load_levels.cpp",
-        " || std::abs(awake - awake_before) < largest)",
-        ")",
-        ((REGION, "a level is kept while fewer bodies more are awake than hang together"),),
+        "lonely-heap",
+        "a line gives away a heap that one server has by itself",
+        "server/aura/partition_lines.cpp",
+        "    const double share = std::clamp(std::min(above, below) - 1, 0.0, 1.0);\n",
+        "    const double share = 1;\n",
+        ((AURA, "a line lies still where one side has nothing to do, and moves*"),),
     ),
     Mutation(
-        "shifted-load",
-        "a load that shifts because the cut has changed counts as a blow",
-        "server/region/stand_ins/stand_in_watch.cpp",
-        "  if (still && rise_mps < blow_mps && may_shift(load.body, now)) {",
-        "  if (still && rise_mps < 0 && may_shift(load.body, now)) {",
-        ((REGION, "what leans on two stand-ins and loses one leans on the other, and strikes nothing"),
-         (REGION, "what leans on a stand-in and gets another one may find its level anew")),
+        "home-of-visitors",
+        "what a visitor leans on is not told to the region that the visitor lies in",
+        "server/aura/adaptive/visitors.cpp",
+        "    visitors.add(home);\n",
+        "    visitors.add(aura.host);\n",
+        ((AURA, "what is near to a visitor is told to the region that the visitor lies in, too"),),
     ),
     Mutation(
-        "hasty-arrival",
-        "an idle player who has just come throws before anybody near has heard",
-        "server/region/players/players.cpp",
-        "    avatar.company = true;\n",
+        "newborn-abroad",
+        "who is born abroad goes home before anybody has heard",
+        "server/aura/adaptive/homecoming.cpp",
+        "         situation_->now - body.came >= news_ticks_ &&\n",
         "",
-        ((REGION, "an idle player who has just come throws only when those near have heard"),),
-    ),
-    Mutation(
-        "forgotten-hold",
-        "what a player's server held back happens at once on the next one",
-        "server/region/handoff/handoff.cpp",
-        "  avatar.held_until = Tick{p.held_until_tick()};\n",
-        "",
-        ((REGION, "what a player's server held back waits as long at the next one, and no longer"),),
+        ((AURA, "who was born abroad stays until news of it has come and gone"),),
     ),
 ]
