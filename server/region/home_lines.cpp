@@ -21,6 +21,10 @@ constexpr std::int64_t after_order_ticks = LoadLevels::term_ticks / 2;
 /// A load is no more than this many times what it was lately.
 constexpr double calm_factor = 2;
 
+/// Where a server has calmed down what wakes counts only after so long: 10 s. A heap that goes home
+/// when lines come back wakes for a moment; they would move for it, come back, and so for ever.
+constexpr std::int64_t lasting_ticks = 625;
+
 }  // namespace
 
 HomeLines::HomeLines(const PartitionMap& map, RegionId self, bool moves)
@@ -33,7 +37,9 @@ void HomeLines::note_awake(std::size_t awake) {
 
 LoadLevels::Told HomeLines::tell(Tick now, double lately) {
   if (!moves_) return {};
-  told_ = std::min(awake_, calm_factor * lately);
+  if (counted_ && !levels_.counts(lately)) calm_ = now;
+  told_ = calm_ && now - *calm_ < lasting_ticks ? 0 : std::min(awake_, calm_factor * lately);
+  counted_ = counted_ || levels_.counts(told_);
   LoadLevels::Told told = levels_.tell(now, told_);
   // Others know better than a server that has just started at which level it is.
   if (!levels_.knows(self_, now)) told.now = LoadLevels::unknown;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "server/aura/partition_lines.h"
@@ -64,8 +65,10 @@ class HomeLines {
   LoadLevels levels_;
   bool moves_;
   double margin_m_ = 0;
-  double awake_ = 0;  ///< Smoothed.
-  double told_ = 0;   ///< The load that our last status was about.
+  double awake_ = 0;          ///< Smoothed.
+  double told_ = 0;           ///< The load that our last status was about.
+  bool counted_ = false;      ///< There has been a load that counts.
+  std::optional<Tick> calm_;  ///< When there was last none after that.
   std::int64_t looks_ = 0;
   std::int64_t term_ = -1;                    ///< As of the last move().
   std::array<Wanted, terms_in_mind> wanted_;  ///< Of that term first, then of those before.

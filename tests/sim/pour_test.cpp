@@ -29,7 +29,7 @@ double foreign_hosted_share(MigrationMode mode, int bodies) {
   rain.velocity_min = {-1, -5, -1};
   rain.velocity_max = {1, -2, 1};
   const PartitionMap map = partition_of(scenario.world);
-  constexpr double longest_s = 60;
+  constexpr double longest_s = 100;
   SimulationOptions options;
   options.scenario = {"corner4", mode, 7, longest_s, bodies};
   Simulation simulation(std::move(scenario), options);

@@ -124,6 +124,25 @@ TEST_CASE("lines follow what lasts: not the blow that wakes a heap for a moment"
   CHECK(std::abs(servers.line_of(left)) < 1);
 }
 
+TEST_CASE("where it has calmed down lines do not move again for what wakes for a moment") {
+  for (const std::int64_t waking_ticks : {500, 1500}) {
+    Servers servers;
+    servers.run(0, 5 * term);
+    servers.awake = {0, 0, 0, 0};
+    servers.run(5 * term, 10 * term);
+    REQUIRE(servers.line_of(left) == 0);
+    servers.awake = {1000, 500, 1000, 500};
+    servers.run(10 * term, 10 * term + waking_ticks);
+    servers.awake = {0, 0, 0, 0};
+    double longest_m = 0;
+    for (std::int64_t tick = 10 * term + waking_ticks; tick < 30 * term; ++tick) {
+      servers.run(tick, tick + 1);
+      longest_m = std::max(longest_m, std::abs(servers.line_of(left)));
+    }
+    CHECK((waking_ticks < 600 ? longest_m == 0 : longest_m > 0));
+  }
+}
+
 TEST_CASE("a world that has calmed down ends where the map says, within five terms") {
   Servers servers;
   servers.run(0, 5 * term);
