@@ -33,8 +33,8 @@ class HomeLines {
 
   /// At every status of ours: how many bodies are awake here.
   void note_awake(std::size_t awake);
-  /// What our next status says. `lately`: the mean of the last second, in bodies awake: a world
-  /// that has calmed down is at home at once.
+  /// What our next status says. `lately`: the mean of the last second, in bodies awake: who has
+  /// calmed down has no load at once, and for some seconds, whatever wakes.
   LoadLevels::Told tell(Tick now, double lately);
   void hear(RegionId from, Tick told_at, LoadLevels::Told told);
 

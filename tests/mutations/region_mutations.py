@@ -232,6 +232,14 @@ MUTATIONS = [
         ((REGION, "lines move for all servers at the same tick, a quarter of the way when a term*"),),
     ),
     Mutation(
+        "restless-lines",
+        "lines move for a heap that wakes because they came back",
+        "server/region/home_lines.cpp",
+        "  told_ = calm_ && now - *calm_ < lasting_ticks ? 0 : std::min(awake_, calm_factor * lately);\n",
+        "  told_ = std::min(awake_, calm_factor * lately);\n",
+        ((REGION, "where it has calmed down lines do not move again for what wakes for a moment"),),
+    ),
+    Mutation(
         "newborns-unseen",
         "nobody knows since when somebody has been looked at here",
         "server/region/hosting.cpp",
