@@ -27,10 +27,9 @@ class PartitionLines {
   std::size_t count() const { return lines_.size(); }
   /// How far each line lies from its place in the map, towards greater coordinates (m), if regions
   /// have so much to do: proportional to the difference between the means of both sides, into the
-  /// side that has more; all of it from a load of 2 on both sides
-  /// on, nothing where one side has as good as nothing to do: a heap that one server has by itself
-  /// cannot be shared out, and would only go to and fro. `loads`: by region, finite,
-  /// at least 1, which is as much as nothing.
+  /// side that has more. All of that only where both means are 2 or more, and nothing where one is
+  /// 1: a heap that one server has by itself cannot be shared out, and would only go to and fro.
+  /// `loads`: by region, finite, at least 1, which is as much as nothing.
   std::vector<double> shifts_m(std::span<const double> loads) const;
   /// The areas of the map with its lines there; `shifts_m` has one for each line.
   std::vector<Rectangle> areas(std::span<const double> shifts_m) const;

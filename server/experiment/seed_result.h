@@ -40,7 +40,7 @@ struct SeedResult {
   std::uint64_t rest_not_judged = 0;  ///< Asleep, but beside what was still awake.
   std::uint64_t refused_messages = 0;
   std::uint64_t version_conflicts = 0;
-  double foreign_hosted_share_max = 0;
+  double foreign_hosted_share_max = 0;    ///< By the lines in force (home_lines.h).
   std::uint64_t largest_cluster = 0;      ///< Bodies in one handoff.
   std::vector<double> handoff_jumps_mm;   ///< Samples.
   std::uint64_t crashes = 0, resets = 0;  ///< Faults that happened.

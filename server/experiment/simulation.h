@@ -38,8 +38,8 @@ class Simulation {
  public:
   /// Faults stop at this share of the run's time; then everything must settle.
   static constexpr double faults_share = 0.6;
-  /// After the run's time it waits so long (virtual) for everything to fall asleep; lines that have
-  /// moved take 13 s of it to come back, and then things go home.
+  /// After the run's time it waits so long (virtual) for everything to fall asleep. Lines that have
+  /// moved take five terms of it (home_lines.h) to come back, and then things go home.
   static constexpr double calm_extension_s = 40;
   /// How far 99 % of the handoffs may move a body at most, without faults and within tolerances.
   static constexpr double jump_mm_p99_max = 5;

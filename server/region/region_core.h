@@ -24,9 +24,9 @@
 #include "server/region/followed_latency.h"
 #include "server/region/handoff/handoff.h"
 #include "server/region/handoff/journal.h"
+#include "server/region/home_lines.h"
 #include "server/region/hosted_bodies.h"
 #include "server/region/hosting.h"
-#include "server/region/home_lines.h"
 #include "server/region/load_levels.h"
 #include "server/region/players/effects.h"
 #include "server/region/players/players.h"
@@ -245,7 +245,7 @@ class RegionCore {
   std::vector<double> awake_everywhere_;  ///< By region, smoothed; 0: not heard of.
   LoadLevels load_levels_;
   HomeLines home_lines_;
-  std::size_t largest_cluster_ = 0;       ///< As of the last decision, if it was asked.
+  std::size_t largest_cluster_ = 0;  ///< As of the last decision, if it was asked.
   /// Of bodies that are not hosted here; valid within migrate().
   std::span<const RemoteAura> remote_auras_;
   std::vector<RemoteAura> others_auras_;  ///< Kept for its memory.
