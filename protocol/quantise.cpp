@@ -61,7 +61,8 @@ int index_of_largest(const Eigen::Vector4f& c) {
   const float x = std::abs(c[0]), y = std::abs(c[1]), z = std::abs(c[2]), w = std::abs(c[3]);
   const int of_xy = static_cast<int>(y > x);
   const int of_zw = 2 + static_cast<int>(w > z);
-  return std::max(z, w) > std::max(x, y) ? of_zw : of_xy;
+  const int second_pair = static_cast<int>(std::max(z, w) > std::max(x, y));
+  return of_xy + second_pair * (of_zw - of_xy);
 }
 
 /// The components that are not left out, in order.
@@ -119,7 +120,7 @@ QuantisedOrientation quantise(const Eigen::Quaternionf& orientation) {
   const double norm = coefficients.norm();
   if (std::isfinite(norm) && norm > 0) {
     packed.largest = index_of_largest(orientation.coeffs());
-    const double sign = coefficients[packed.largest] < 0 ? -1.0 : 1.0;
+    const double sign = std::copysign(1.0, coefficients[packed.largest]);
     const double scale = sign / norm * (component_zero / component_limit);
     std::array<double, 3> exact{};
     double squares = 0;

@@ -21,8 +21,10 @@ struct AuraCapsule {
 /// Distance between the two (m); negative if they overlap.
 double gap_m(const AuraCapsule& a, const AuraCapsule& b);
 
+/// Where they are crowded most are so near that their middles say it.
 inline bool overlap(const AuraCapsule& a, const AuraCapsule& b) {
-  return gap_m(a, b) <= 0;
+  const double girths_m = a.girth_m + b.girth_m;
+  return (a.centre - b.centre).squaredNorm() <= girths_m * girths_m || gap_m(a, b) <= 0;
 }
 
 }  // namespace aureole

@@ -1,6 +1,7 @@
 // Bodies that sleep, kept as they lay down: what nothing comes near to costs a decision no look.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -43,6 +44,13 @@ class Sleepers {
   const AuraCapsule& aura(Place place) const { return sleepers_[place].aura; }
   /// Around the aura.
   const AuraBox& box(Place place) const { return sleepers_[place].box; }
+  /// Fetches what is known of it from memory, for who looks at several of them.
+  void fetch(Place place) const {
+    const auto* sleeper = reinterpret_cast<const std::byte*>(&sleepers_[place]);
+    __builtin_prefetch(sleeper);
+    for (std::size_t at = offsetof(Sleeper, aura); at < sizeof(Sleeper); at += 64)
+      __builtin_prefetch(sleeper + at);
+  }
 
   /// The boxes around their auras, by place.
   const BoxRows& rows() const { return rows_; }

@@ -85,6 +85,7 @@ void SimulatedServer::take_turn(SimulatedNetwork& network, Micros now, const Obs
     at = step_ended_us_;
     ++steps;
   }
+  if (profile_) profile_->stop();
   if (const std::int64_t left_out = at / tick_us - next_tick_.value; left_out > behind_ticks_max) {
     skipped_ticks_ += static_cast<std::uint64_t>(left_out);
     next_tick_ = next_tick_ + left_out;
@@ -127,7 +128,6 @@ void SimulatedServer::take_deliveries(SimulatedNetwork& network, Micros now) {
   }
   // Frames that have been taken are given back in the server's own time.
   deliveries.clear();
-  if (profile_) profile_->stop();
 }
 
 void SimulatedServer::step(SimulatedNetwork& network, Micros at, const Observer& observer) {

@@ -86,6 +86,29 @@ void HostedBodies::begin(Hosting& hosting, std::span<const RemoteAura> remote, d
   if (apart_) keep_sleepers(hosting, changed);
 }
 
+/// Names them first, so that what is known of them comes near while they are looked at.
+void HostedBodies::find_shown(Hosting& hosting, const Look& look) {
+  shown_.clear();
+  const auto expect = [&](BodyId id, std::size_t n) {
+    shown_.push_back({id, n});
+    hosting.expect(id);
+  };
+  auto stirred = look.stirred.begin();
+  const auto expect_sleeper = [&](BodyId id) {
+    const auto place = sleepers_.place_of(id);
+    if (place && (look.whole || strip_.holds(sleepers_.body(*place).position))) expect(id, sleeps);
+  };
+  const std::span<const NewBody> awake = hosting.physics().awake();
+  for (std::size_t n = 0; n < awake.size(); ++n) {
+    const BodyId id = awake[n].id;
+    while (stirred != look.stirred.end() && *stirred < id) expect_sleeper(*stirred++);
+    if (look.whole || strip_.holds(awake[n].state.position) ||
+        std::binary_search(look.asked_for.begin(), look.asked_for.end(), id))
+      expect(id, n);
+  }
+  while (stirred != look.stirred.end()) expect_sleeper(*stirred++);
+}
+
 std::vector<HostedBody>& HostedBodies::look(Hosting& hosting, const Look& look, Tick now) {
   hosted_.clear();
   const PhysicsWorld& physics = hosting.physics();
@@ -94,21 +117,11 @@ std::vector<HostedBody>& HostedBodies::look(Hosting& hosting, const Look& look, 
     return hosted_;
   }
   hosting.begin_look(now);  // Each look in a tick begins at the first body.
-  auto stirred = look.stirred.begin();
-  const auto show_sleeper = [&](BodyId id) {
-    const auto place = sleepers_.place_of(id);
-    if (place && (look.whole || strip_.holds(sleepers_.body(*place).position)))
-      show(hosting, physics.glance(id), look, now);
-  };
-  const std::span<const NewBody> awake = physics.awake();
-  for (std::size_t n = 0; n < awake.size(); ++n) {
-    const BodyId id = awake[n].id;
-    while (stirred != look.stirred.end() && *stirred < id) show_sleeper(*stirred++);
-    if (look.whole || strip_.holds(awake[n].state.position) ||
-        std::binary_search(look.asked_for.begin(), look.asked_for.end(), id))
-      show(hosting, physics.awake_glance(n), look, now);
-  }
-  while (stirred != look.stirred.end()) show_sleeper(*stirred++);
+  find_shown(hosting, look);
+  for (const Shown& shown : shown_)
+    show(hosting,
+         shown.awake == sleeps ? physics.glance(shown.id) : physics.awake_glance(shown.awake), look,
+         now);
   return hosted_;
 }
 

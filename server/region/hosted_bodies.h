@@ -49,6 +49,7 @@ class HostedBodies {
   void keep_sleepers(Hosting& hosting, std::span<const BodyId> changed);
   void lay_down(Hosting& hosting, BodyId id);
   HostedBody glimpse(const Hosting& hosting, const BodyGlance& seen) const;
+  void find_shown(Hosting& hosting, const Look& look);
   void show(Hosting& hosting, const BodyGlance& seen, const Look& look, Tick now);
 
   NearbyGeometry nearby_geometry_;
@@ -57,6 +58,12 @@ class HostedBodies {
   bool apart_ = false;
   std::vector<BodyId> awake_;  ///< As of the last decision; ascending.
   std::vector<BodyId> awake_now_;
+  static constexpr std::size_t sleeps = static_cast<std::size_t>(-1);
+  struct Shown {
+    BodyId id;
+    std::size_t awake;  ///< Its place among those awake, or `sleeps`.
+  };
+  std::vector<Shown> shown_;  ///< Only used within look().
   std::vector<HostedBody> hosted_;
 };
 

@@ -68,6 +68,8 @@ void Hosting::erase_record(BodyId id) {
 /// One pass, however many have come and gone.
 void Hosting::bring_in_order() {
   next_ = 0;
+  expected_.clear();
+  next_expected_ = 0;
   changed_.clear();
   if (out_of_order_.empty()) return;
   std::sort(out_of_order_.begin(), out_of_order_.end());
@@ -86,14 +88,29 @@ void Hosting::bring_in_order() {
   changed_.swap(out_of_order_);
 }
 
-Hosting::Record& Hosting::record_in_order(BodyId id) {
+const Hosting::Entry& Hosting::entry_in_order(BodyId id) {
   // Often the next one; if few are looked at, far ahead.
   const auto found = leap(in_order_.begin() + static_cast<std::ptrdiff_t>(next_), in_order_.end(),
                           id, [](const Entry& entry, BodyId key) { return entry.id < key; });
   next_ = static_cast<std::size_t>(found - in_order_.begin());
   AUREOLE_CHECK(next_ < in_order_.size() && in_order_[next_].id == id,
                 "bodies are looked at in the order of their ids");
-  return *in_order_[next_].record;
+  return in_order_[next_];
+}
+
+void Hosting::expect(BodyId id) {
+  const Entry& entry = expected_.emplace_back(entry_in_order(id));
+  // It may lie across two lines of the cache.
+  const auto* record = reinterpret_cast<const std::byte*>(entry.record);
+  __builtin_prefetch(record, 1);
+  __builtin_prefetch(record + sizeof(Record) - 1, 1);
+}
+
+Hosting::Record& Hosting::next_record(BodyId id) {
+  if (expected_.empty()) return *entry_in_order(id).record;
+  AUREOLE_CHECK(next_expected_ < expected_.size() && expected_[next_expected_].id == id,
+                "bodies are looked at as they are expected");
+  return *expected_[next_expected_++].record;
 }
 
 void Hosting::spawn(std::span<const NewBody> bodies, std::uint32_t epoch) {
@@ -142,7 +159,7 @@ void Hosting::tell_history(const Record& record, HostedBody& body) {
 }
 
 void Hosting::look(HostedBody& body, Tick now, float slow_for_s) {
-  Record& record = record_in_order(body.id);
+  Record& record = next_record(body.id);
   if (record.looked_at == born_now) record.came = now;
   if (record.lies) {
     record.moved = never_changed;

@@ -42,6 +42,10 @@ class Hosting {
   /// Call before each pass over bodies that are looked at; nobody may come or go during it.
   /// Returns who has come or gone since the last call, ascending, valid until the next.
   std::span<const BodyId> begin_look(Tick now);
+  /// Call for each body that the pass will look at, before the first look() and in the same order;
+  /// or for none of them. What is known of them is then fetched from far away all at once: after a
+  /// physics step nothing of it is near any more.
+  void expect(BodyId id);
   /// Call for each body that is looked at, in the order of their ids, with its id, surface speed
   /// and whether it sleeps: fills in for how many ticks it has been still and when its owner
   /// changed. Of one that was not looked at in the last such tick nothing is known but for how long
@@ -102,11 +106,16 @@ class Hosting {
     Tick looked_at = born_now;  ///< When it was last looked at; whoever comes is looked at.
     bool lies = false;          ///< It lay down, and no decision has been made since it woke.
   };
+  struct Entry {
+    BodyId id;
+    Record* record;
+  };
   bool make_record(BodyId id, const Record& record);
   void erase_record(BodyId id);
   static void tell_history(const Record& record, HostedBody& body);
   void bring_in_order();
-  Record& record_in_order(BodyId id);
+  const Entry& entry_in_order(BodyId id);
+  Record& next_record(BodyId id);
   void find_contacts_of_sleepers(std::span<const NewBody> bodies);
   void bring_neighbours(HandoffGroup& group, Tick now) const;
   std::vector<BodyId> holding_up(const HandoffGroup& group, Tick now) const;
@@ -122,12 +131,10 @@ class Hosting {
   std::unordered_map<BodyId, Record> records_;
   /// The same, ascending, for passes over all bodies: to search for each would cost more than
   /// everything else that is done with it.
-  struct Entry {
-    BodyId id;
-    Record* record;
-  };
   std::vector<Entry> in_order_;
   std::size_t next_ = 0;              ///< Where a pass has come to.
+  std::vector<Entry> expected_;       ///< Who is going to be looked at in it, …
+  std::size_t next_expected_ = 0;     ///< … and which of them comes next.
   std::vector<BodyId> out_of_order_;  ///< Came or went since.
   std::vector<BodyId> changed_;       ///< The same, as of the last look.
   Tick last_look_, look_before_;

@@ -57,8 +57,7 @@ void Tolerances::set_limits(const AuraTolerances& limits) {
 
 double Tolerances::longest_latency_ms() const {
   double longest_ms = 0;
-  for (const Link& link : links_)
-    if (!link.latency_ms.empty()) longest_ms = std::max(longest_ms, link.latency_ms.front().second);
+  for (const Link& link : links_) longest_ms = std::max(longest_ms, link.estimate_ms);
   return longest_ms;
 }
 
@@ -74,6 +73,7 @@ void Tolerances::link_down(RegionId peer) {
   down.broke = true;
   // What the next link measures has nothing to do with this one.
   down.latency_ms.clear();
+  take_estimate(down);
   down.measured_ms = -1;
 }
 
@@ -109,21 +109,35 @@ void Tolerances::judge(Kept& kept, const ToleranceEvent& seen, bool exceeds) {
   events_.push_back(seen);
 }
 
+void Tolerances::judge(Link& link, Kept& kept, const ToleranceEvent& seen, bool exceeds) {
+  judge(kept, seen, exceeds);
+  link.outside = link.latency.outside || link.word.outside;
+}
+
+void Tolerances::take_estimate(Link& link) {
+  const auto& history = link.latency_ms;
+  link.estimate_ms = history.empty() ? 0 : history.front().second;
+  // The newest stays, however old it is: there is no better estimate.
+  link.estimate_until =
+      history.size() > 1 ? history.front().first + latency_window_ticks : never_ends;
+}
+
 void Tolerances::judge_latency(RegionId peer, Link& link, Tick now) {
   auto& history = link.latency_ms;
   if (link.measured_ms >= 0) {
     while (!history.empty() && history.back().second <= link.measured_ms) history.pop_back();
     history.emplace_back(now, link.measured_ms);
     link.measured_ms = -1;
+    take_estimate(link);
   }
-  // The newest stays, however old it is: there is no better estimate.
-  while (history.size() > 1 && now - history.front().first >= latency_window_ticks)
+  while (now >= link.estimate_until) {
     history.pop_front();
-  const double estimate_ms = history.empty() ? 0 : history.front().second;
-  const bool exceeds = estimate_ms > limits_.latency_ms;
-  if (!exceeds && !link.latency.outside) return;
-  judge(link.latency,
-        {ToleranceEvent::Kind::latency, false, now, peer, {}, estimate_ms, limits_.latency_ms},
+    take_estimate(link);
+  }
+  const bool exceeds = link.estimate_ms > limits_.latency_ms;
+  if (!exceeds && !link.outside) return;
+  judge(link, link.latency,
+        {ToleranceEvent::Kind::latency, false, now, peer, {}, link.estimate_ms, limits_.latency_ms},
         exceeds);
 }
 
@@ -139,8 +153,8 @@ void Tolerances::judge_word(RegionId peer, Link& link, Tick now) {
   const auto limit = static_cast<double>(flight_ticks_ + link.word_every_ticks - 1);
   const bool broke = std::exchange(link.broke, false);
   const bool exceeds = age > limit || !link.up || broke;
-  if (!exceeds && !link.word.outside) return;
-  judge(link.word, {ToleranceEvent::Kind::link, false, now, peer, {}, age, limit}, exceeds);
+  if (!exceeds && !link.outside) return;
+  judge(link, link.word, {ToleranceEvent::Kind::link, false, now, peer, {}, age, limit}, exceeds);
 }
 
 void Tolerances::step(Tick now, double frame_ms, const FastestBody& fastest) {
@@ -183,7 +197,8 @@ std::vector<ToleranceEvent> Tolerances::outside() const {
   };
   add(speed_);
   add(frame_time_);
-  for (const Link& link : links_) add(link.latency), add(link.word);
+  for (const Link& link : links_)
+    if (link.outside) add(link.latency), add(link.word);
   std::sort(all.begin(), all.end(),
             [](const ToleranceEvent& a, const ToleranceEvent& b) { return a.kind < b.kind; });
   return all;

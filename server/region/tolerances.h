@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -89,18 +90,26 @@ class Tolerances {
     Tick exceeded;         ///< When last.
     ToleranceEvent event;  ///< As it was left, with the worst value since.
   };
-  struct Link {
+  /// What every step looks at comes first, and is one line of the cache: a world has many peers.
+  struct alignas(64) Link {
     bool up = false;
-    bool broke = false;   ///< Since the last step, however short.
-    bool counts = false;  ///< `newest` is known.
-    Tick newest;          ///< The peer's newest step that we have word of.
+    bool broke = false;    ///< Since the last step, however short.
+    bool counts = false;   ///< `newest` is known.
+    bool outside = false;  ///< `latency` or `word` is.
+    Tick newest;           ///< The peer's newest step that we have word of.
     std::int64_t word_every_ticks = 1;
+    double measured_ms = -1;  ///< Longest since the last step.
+    /// The first of `latency_ms`; 0 while there is none.
+    double estimate_ms = 0;
+    Tick estimate_until = never_ends;  ///< Then the next one of them counts; never: it is the last.
     Kept latency, word;
-    double measured_ms = -1;                         ///< Longest since the last step.
     std::deque<std::pair<Tick, double>> latency_ms;  ///< Falling values; the first is the longest.
   };
+  static constexpr Tick never_ends{std::numeric_limits<std::int64_t>::max()};
+  static void take_estimate(Link& link);
 
   void judge(Kept& kept, const ToleranceEvent& seen, bool exceeds);
+  void judge(Link& link, Kept& kept, const ToleranceEvent& seen, bool exceeds);
   void judge_latency(RegionId peer, Link& link, Tick now);
   void judge_word(RegionId peer, Link& link, Tick now);
 

@@ -41,7 +41,9 @@ std::uint32_t& Stage::number_at(Sleepers::Place place) {
 
 void Stage::add_sleepers_beyond() {
   if (situation_->sleepers == nullptr) return;
-  for (const Sleepers::Place place : situation_->sleepers->beyond()) admit(place);
+  const std::span<const Sleepers::Place> beyond = situation_->sleepers->beyond();
+  for (const Sleepers::Place place : beyond) situation_->sleepers->fetch(place);
+  for (const Sleepers::Place place : beyond) admit(place);
 }
 
 /// Its number, whether it has been here before or not.
