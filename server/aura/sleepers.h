@@ -44,7 +44,7 @@ class Sleepers {
   const AuraCapsule& aura(Place place) const { return sleepers_[place].aura; }
   /// Around the aura.
   const AuraBox& box(Place place) const { return sleepers_[place].box; }
-  /// Fetches what is known of it from memory, for who looks at several of them.
+  /// Has its body's name, its aura and its box come nearer, for who is going to look at several.
   void fetch(Place place) const {
     const auto* sleeper = reinterpret_cast<const std::byte*>(&sleepers_[place]);
     __builtin_prefetch(sleeper);

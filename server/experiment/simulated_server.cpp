@@ -85,6 +85,8 @@ void SimulatedServer::take_turn(SimulatedNetwork& network, Micros now, const Obs
     at = step_ended_us_;
     ++steps;
   }
+  // What was taken belongs to the step's stretch: to begin another one would ask the slow clock
+  // again. Here it ends if there was no step.
   if (profile_) profile_->stop();
   if (const std::int64_t left_out = at / tick_us - next_tick_.value; left_out > behind_ticks_max) {
     skipped_ticks_ += static_cast<std::uint64_t>(left_out);

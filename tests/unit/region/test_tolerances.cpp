@@ -149,6 +149,18 @@ TEST_CASE("a link that is no longer measured keeps its last estimate") {
   REQUIRE(watch.is_outside(Kind::latency));
 }
 
+TEST_CASE("what was measured of a link that ended does not count for the next one") {
+  Watch watch;
+  watch.tolerances.link_measured(RegionId{1}, 9);
+  watch.step();
+  REQUIRE(watch.tolerances.longest_latency_ms() == 9);
+  watch.tolerances.link_down(RegionId{1});
+  watch.tolerances.link_up(RegionId{1});
+  REQUIRE(watch.tolerances.longest_latency_ms() == 0);
+  watch.steps(watch.tolerances.settle_ticks());
+  REQUIRE_FALSE(watch.is_outside(Kind::latency));
+}
+
 TEST_CASE("a silent peer is noticed as soon as its newest word is older than messages may be") {
   Watch watch;
   watch.steps(10);
