@@ -29,8 +29,10 @@ struct RoughBox {
   std::array<float, 3> low, high;  ///< x, y, z (m)
   static RoughBox around(const AuraBox& box);
   bool meets(const RoughBox& other) const {
-    return low[0] <= other.high[0] && other.low[0] <= high[0] && low[2] <= other.high[2] &&
-           other.low[2] <= high[2] && low[1] <= other.high[1] && other.low[1] <= high[1];
+    const bool x = (low[0] <= other.high[0]) & (other.low[0] <= high[0]);
+    const bool y = (low[1] <= other.high[1]) & (other.low[1] <= high[1]);
+    const bool z = (low[2] <= other.high[2]) & (other.low[2] <= high[2]);
+    return x & y & z;
   }
 };
 

@@ -72,6 +72,16 @@ class BoxRows {
       return a.number < b.number;
     }
   };
+  /// How many of them begin before x: std::lower_bound() without branches that nobody can foretell.
+  static std::ptrdiff_t first_from(const Entry* entries, std::ptrdiff_t count, float x) {
+    const Entry* at = entries;
+    while (count > 1) {
+      const std::ptrdiff_t half = count / 2;
+      at += at[half - 1].box.low[0] < x ? half : 0;
+      count -= half;
+    }
+    return at - entries + (at->box.low[0] < x ? 1 : 0);
+  }
   void count_rows(std::span<const Entry> entries);
   static std::int32_t row_of(float z);
   /// Calls `look(entry, row)` for all that may overlap, row by row, and then for those kept apart.
@@ -87,8 +97,7 @@ class BoxRows {
       auto at = entries_.begin() + row.begin;
       const auto end = entries_.begin() + rows_[static_cast<std::size_t>(number) + 1].begin;
       if (end - at > long_row)
-        at = std::lower_bound(at, end, asked.low[0] - row.widest_m,
-                              [](const Entry& entry, float x) { return entry.box.low[0] < x; });
+        at += first_from(&*at, end - at, asked.low[0] - row.widest_m);
       for (; at != end && at->box.low[0] <= asked.high[0]; ++at) look(*at, at->row);
     }
     for (const Entry& entry : large_) look(entry, std::numeric_limits<std::int32_t>::max());
