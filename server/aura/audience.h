@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/aura/partition_map.h"
+#include "server/aura/partition/partition_map.h"
 #include "server/base/ids.h"
 #include "server/base/world_position.h"
 

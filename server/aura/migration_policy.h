@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "server/aura/audience.h"
-#include "server/aura/aura_box.h"
-#include "server/aura/aura_capsule.h"
-#include "server/aura/aura_radius.h"
 #include "server/aura/migration_mode.h"
-#include "server/aura/partition_map.h"
+#include "server/aura/partition/partition_map.h"
 #include "server/aura/precedence.h"
+#include "server/aura/shapes/aura_box.h"
+#include "server/aura/shapes/aura_capsule.h"
+#include "server/aura/shapes/aura_radius.h"
 #include "server/base/ids.h"
 #include "server/base/tick.h"
 #include "server/base/world_position.h"

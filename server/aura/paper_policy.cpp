@@ -21,7 +21,7 @@
 
 #include "server/aura/audience.h"
 #include "server/aura/migration_policy.h"
-#include "server/aura/sphere_grid.h"
+#include "server/aura/shapes/sphere_grid.h"
 #include "server/base/check.h"
 
 namespace aureole {

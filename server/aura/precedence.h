@@ -5,7 +5,7 @@
 #include <span>
 
 #include "server/aura/audience.h"
-#include "server/aura/partition_map.h"
+#include "server/aura/partition/partition_map.h"
 
 namespace aureole {
 

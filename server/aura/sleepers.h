@@ -8,10 +8,10 @@
 #include <unordered_map>
 #include <vector>
 
-#include "server/aura/aura_capsule.h"
-#include "server/aura/box_rows.h"
 #include "server/aura/migration_policy.h"
-#include "server/aura/partition_map.h"
+#include "server/aura/partition/partition_map.h"
+#include "server/aura/shapes/aura_capsule.h"
+#include "server/aura/shapes/box_rows.h"
 #include "server/base/ids.h"
 
 namespace aureole {

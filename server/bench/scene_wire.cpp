@@ -7,7 +7,7 @@
 #include "server/bench/replica_bytes.h"
 #include "server/bench/running_servers.h"
 #include "server/bench/samples.h"
-#include "server/region/aura_exchange.h"
+#include "server/region/auras/aura_exchange.h"
 #include "server/region/handoff/handoff.h"
 #include "server/replica/replica_store.h"
 

@@ -14,7 +14,7 @@
 #include "server/gateway/pictures/draw_clock.h"
 #include "server/net/peer_links.h"
 #include "server/net/world_clock.h"
-#include "server/region/tolerances.h"
+#include "server/region/tolerances/tolerances.h"
 #include "server/replica/replica_store.h"
 #include "server/worlds/world.h"
 

@@ -4,7 +4,7 @@
 #include <functional>
 #include <memory>
 
-#include "server/aura/partition_map.h"
+#include "server/aura/partition/partition_map.h"
 #include "server/base/tick.h"
 #include "server/measure/measured_run.h"
 #include "server/physics/physics_world.h"

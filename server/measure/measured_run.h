@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "server/region/step_profile.h"
-#include "server/region/tolerances.h"
+#include "server/region/tolerances/tolerances.h"
 
 namespace aureole {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/aura/aura_radius.h"
+#include "server/aura/shapes/aura_radius.h"
 #include "server/base/tick.h"
 #include "server/measure/measured_run.h"
 

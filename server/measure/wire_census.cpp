@@ -7,7 +7,7 @@
 #include "protocol/wire.h"
 #include "protocol/wire_values.h"
 #include "server/base/check.h"
-#include "server/region/aura_wire.h"
+#include "server/region/auras/aura_wire.h"
 
 namespace aureole {
 namespace {

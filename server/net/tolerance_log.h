@@ -7,7 +7,7 @@
 #include <string>
 #include <tuple>
 
-#include "server/region/tolerances.h"
+#include "server/region/tolerances/tolerances.h"
 
 namespace aureole {
 

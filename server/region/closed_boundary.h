@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "server/aura/partition_map.h"
+#include "server/aura/partition/partition_map.h"
 #include "server/base/ids.h"
 #include "server/physics/physics_world.h"
 

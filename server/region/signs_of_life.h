@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "server/aura/partition_map.h"
+#include "server/aura/partition/partition_map.h"
 #include "server/base/tick.h"
 
 namespace aureole {

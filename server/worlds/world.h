@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "server/aura/aura_radius.h"
 #include "server/aura/migration_mode.h"
-#include "server/aura/partition_map.h"
+#include "server/aura/partition/partition_map.h"
+#include "server/aura/shapes/aura_radius.h"
 #include "server/base/ids.h"
 #include "server/base/world_position.h"
 #include "server/physics/body.h"

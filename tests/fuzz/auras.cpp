@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "protocol/wire.h"
-#include "server/region/aura_exchange.h"
+#include "server/region/auras/aura_exchange.h"
 #include "server/region/handoff/handoff.h"
 #include "tests/fuzz/fuzz_target.h"
 

@@ -299,7 +299,7 @@ MUTATIONS = [
     Mutation(
         "lonely-heap",
         "a line gives away a heap that one server has by itself",
-        "server/aura/partition_lines.cpp",
+        "server/aura/partition/partition_lines.cpp",
         "    const double share = std::clamp(std::min(above, below) - 1, 0.0, 1.0);\n",
         "    const double share = 1;\n",
         ((AURA, "a line lies still where one side has nothing to do, and moves*"),),

@@ -160,7 +160,7 @@ MUTATIONS = [
     Mutation(
         "far-word",
         "who is far away is expected to say a word in every step",
-        "server/region/tolerances.cpp",
+        "server/region/tolerances/tolerances.cpp",
         "flight_ticks_ + link.word_every_ticks - 1",
         "flight_ticks_",
         ((REGION, "servers that are far apart do not miss the words that they do not say"),),
@@ -176,7 +176,7 @@ MUTATIONS = [
     Mutation(
         "restless-levels",
         "a level follows what hangs together, which nobody can share out",
-        "server/region/load_levels.cpp",
+        "server/region/loads/load_levels.cpp",
         " || std::abs(awake - awake_before) < largest)",
         ")",
         ((REGION, "a level is kept while fewer bodies more are awake than hang together"),),
@@ -209,7 +209,7 @@ MUTATIONS = [
     Mutation(
         "no-margin",
         "who has not heard of a level trusts its own lines",
-        "server/region/home_lines.cpp",
+        "server/region/loads/home_lines.cpp",
         "  const double margin_m = sure ? 0 : 2 * lines_.longest_shift_m();\n",
         "  const double margin_m = sure ? 0 : 0 * lines_.longest_shift_m();\n",
         ((REGION, "who has not heard of a level keeps a margin, until it has"),
@@ -218,7 +218,7 @@ MUTATIONS = [
     Mutation(
         "started-anew",
         "who has just started says at which level it is",
-        "server/region/home_lines.cpp",
+        "server/region/loads/home_lines.cpp",
         "  if (!levels_.knows(self_, now)) told.now = LoadLevels::unknown;\n",
         "",
         ((REGION, "who has just started says of no level that it is in force, and others know it"),),
@@ -226,7 +226,7 @@ MUTATIONS = [
     Mutation(
         "all-at-once",
         "lines go all the way when a term begins",
-        "server/region/home_lines.cpp",
+        "server/region/loads/home_lines.cpp",
         "  for (const Wanted& wanted : wanted_)\n    for",
         "  for (const Wanted& wanted : {wanted_[0], wanted_[0], wanted_[0], wanted_[0]})\n    for",
         ((REGION, "lines move for all servers at the same tick, a quarter of the way when a term*"),),
@@ -234,7 +234,7 @@ MUTATIONS = [
     Mutation(
         "restless-lines",
         "lines move for a heap that wakes because they came back",
-        "server/region/home_lines.cpp",
+        "server/region/loads/home_lines.cpp",
         "  told_ = calm_ && now - *calm_ < lasting_ticks ? 0 : std::min(awake_, calm_factor * lately);\n",
         "  told_ = std::min(awake_, calm_factor * lately);\n",
         ((REGION, "where it has calmed down lines do not move again for what wakes for a moment"),),

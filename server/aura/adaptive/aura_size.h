@@ -1,9 +1,9 @@
 // How far each body reaches in the adaptive mode: by what it can really do in the time that counts.
 #pragma once
 
-#include "server/aura/aura_box.h"
-#include "server/aura/aura_radius.h"
 #include "server/aura/migration_policy.h"
+#include "server/aura/shapes/aura_box.h"
+#include "server/aura/shapes/aura_radius.h"
 
 namespace aureole {
 

@@ -7,8 +7,8 @@
 
 #include "server/aura/adaptive/blow_forecast.h"
 #include "server/aura/adaptive/stage.h"
-#include "server/aura/box_rows.h"
 #include "server/aura/migration_policy.h"
+#include "server/aura/shapes/box_rows.h"
 
 namespace aureole {
 

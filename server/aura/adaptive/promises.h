@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "server/aura/adaptive/aura_size.h"
-#include "server/aura/box_rows.h"
 #include "server/aura/migration_policy.h"
+#include "server/aura/shapes/box_rows.h"
 
 namespace aureole {
 

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "server/aura/aura_capsule.h"
-#include "server/aura/box_rows.h"
 #include "server/aura/migration_policy.h"
+#include "server/aura/shapes/aura_capsule.h"
+#include "server/aura/shapes/box_rows.h"
 #include "server/aura/sleepers.h"
 
 namespace aureole {

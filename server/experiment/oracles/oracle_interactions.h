@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "server/aura/box_rows.h"
+#include "server/aura/shapes/box_rows.h"
 #include "server/experiment/oracles/body_shapes.h"
 #include "server/experiment/oracles/oracle_ownership.h"
 #include "server/experiment/oracles/tolerance_record.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "server/aura/partition_map.h"
+#include "server/aura/partition/partition_map.h"
 #include "server/experiment/oracles/owner_changes.h"
 #include "server/experiment/seed_result.h"
 #include "server/experiment/simulated_server.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/aura/adaptive/aura_size.h"
-#include "server/aura/aura_radius.h"
+#include "server/aura/shapes/aura_radius.h"
 #include "server/base/ids.h"
 #include "server/base/tick.h"
 #include "server/region/region_core.h"

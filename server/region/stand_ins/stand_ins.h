@@ -12,7 +12,7 @@
 #include "server/base/ids.h"
 #include "server/base/tick.h"
 #include "server/physics/physics_world.h"
-#include "server/region/aura_exchange.h"
+#include "server/region/auras/aura_exchange.h"
 #include "server/region/stand_ins/whereabouts.h"
 
 namespace aureole {

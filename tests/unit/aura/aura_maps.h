@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "server/aura/partition_map.h"
+#include "server/aura/partition/partition_map.h"
 
 namespace aureole::aura_maps {
 

@@ -3,8 +3,8 @@
 #include <random>
 
 #include "server/aura/audience.h"
-#include "server/aura/aura_box.h"
-#include "server/aura/partition_lines.h"
+#include "server/aura/partition/partition_lines.h"
+#include "server/aura/shapes/aura_box.h"
 #include "tests/support/catch.h"
 #include "tests/unit/aura/aura_maps.h"
 

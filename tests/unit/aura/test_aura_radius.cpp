@@ -1,7 +1,7 @@
 // Equations (1) to (4) against the worked constants of the paper.
 #include <cmath>
 
-#include "server/aura/aura_radius.h"
+#include "server/aura/shapes/aura_radius.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <random>
 
-#include "server/aura/aura_capsule.h"
-#include "server/aura/box_rows.h"
+#include "server/aura/shapes/aura_capsule.h"
+#include "server/aura/shapes/box_rows.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;

@@ -1,5 +1,5 @@
 // Lines that give way to who has less to do.
-#include "server/aura/partition_lines.h"
+#include "server/aura/partition/partition_lines.h"
 
 #include <fmt/format.h>
 

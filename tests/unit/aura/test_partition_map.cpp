@@ -1,5 +1,5 @@
 // Who owns which point, who neighbours whom, where boundaries run: columns, 2×2, T-shapes.
-#include "server/aura/partition_map.h"
+#include "server/aura/partition/partition_map.h"
 #include "tests/support/catch.h"
 #include "tests/unit/aura/aura_maps.h"
 

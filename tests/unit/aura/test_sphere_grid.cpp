@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <random>
 
-#include "server/aura/sphere_grid.h"
+#include "server/aura/shapes/sphere_grid.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;

@@ -4,7 +4,7 @@
 #include <random>
 
 #include "protocol/wire.h"
-#include "server/region/aura_exchange.h"
+#include "server/region/auras/aura_exchange.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;

@@ -1,5 +1,5 @@
 // What a region's decisions depend on: its boundary, and whoever is inside.
-#include "server/region/boundary_strip.h"
+#include "server/region/view/boundary_strip.h"
 
 #include "tests/support/catch.h"
 

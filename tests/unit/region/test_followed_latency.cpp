@@ -1,5 +1,5 @@
 // A latency tolerance that follows the links: up at once, down after a while, told to the policy.
-#include "server/region/followed_latency.h"
+#include "server/region/tolerances/followed_latency.h"
 
 #include "tests/support/catch.h"
 #include "tests/support/region_cluster.h"

@@ -1,5 +1,5 @@
 // Where regions end: the same for all who have heard, and known to be uncertain by who has not.
-#include "server/region/home_lines.h"
+#include "server/region/loads/home_lines.h"
 
 #include <optional>
 #include <vector>

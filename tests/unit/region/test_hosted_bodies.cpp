@@ -1,5 +1,5 @@
 // What a policy is shown, while bodies fall asleep, are woken, come and go.
-#include "server/region/hosted_bodies.h"
+#include "server/region/view/hosted_bodies.h"
 
 #include <limits>
 #include <random>

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "protocol/wire.h"
-#include "server/region/load_levels.h"
+#include "server/region/loads/load_levels.h"
 #include "server/region/region_core.h"
 #include "tests/support/catch.h"
 #include "tests/support/region_cluster.h"

@@ -1,7 +1,7 @@
 // Tolerances: left at the exact tick, held again after a while, and never said twice.
 #include <string>
 
-#include "server/region/tolerances.h"
+#include "server/region/tolerances/tolerances.h"
 #include "tests/support/catch.h"
 #include "tests/support/region_cluster.h"
 

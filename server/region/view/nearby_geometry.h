@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "server/aura/aura_box.h"
 #include "server/aura/migration_policy.h"
+#include "server/aura/shapes/aura_box.h"
 #include "server/physics/body.h"
 
 namespace aureole {

@@ -5,8 +5,8 @@
 
 #include "protocol/wire_values.h"
 #include "server/base/check.h"
-#include "server/region/aura_exchange.h"
-#include "server/region/aura_wire.h"
+#include "server/region/auras/aura_exchange.h"
+#include "server/region/auras/aura_wire.h"
 #include "server/region/handoff/handoff.h"
 
 namespace aureole {

@@ -1,5 +1,5 @@
 // Sides of rectangles that lie at one coordinate move together.
-#include "server/aura/partition_lines.h"
+#include "server/aura/partition/partition_lines.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Boxes rounded outwards.
-#include "server/aura/aura_box.h"
+#include "server/aura/shapes/aura_box.h"
 
 #include <algorithm>
 #include <cmath>

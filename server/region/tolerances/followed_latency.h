@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "server/aura/aura_radius.h"
+#include "server/aura/shapes/aura_radius.h"
 #include "server/base/tick.h"
 
 namespace aureole {

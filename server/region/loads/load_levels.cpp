@@ -1,5 +1,5 @@
 // Levels are chosen by who is loaded, and looked up by everybody.
-#include "server/region/load_levels.h"
+#include "server/region/loads/load_levels.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "server/aura/aura_box.h"
+#include "server/aura/shapes/aura_box.h"
 
 namespace aureole {
 

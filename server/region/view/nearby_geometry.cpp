@@ -1,5 +1,5 @@
 // Boxes around static geometry against the way of a body.
-#include "server/region/nearby_geometry.h"
+#include "server/region/view/nearby_geometry.h"
 
 #include <algorithm>
 

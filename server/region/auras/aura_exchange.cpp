@@ -1,5 +1,5 @@
 // Hearing auras: differences on the wire, whole sets in memory.
-#include "server/region/aura_exchange.h"
+#include "server/region/auras/aura_exchange.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "protocol/wire.h"
 #include "protocol/wire_values.h"
 #include "server/base/merge_in.h"
-#include "server/region/aura_wire.h"
+#include "server/region/auras/aura_wire.h"
 #include "server/region/handoff/handoff.h"
 
 namespace aureole {

@@ -1,5 +1,5 @@
 // A rectangle, and squares around whoever is inside it.
-#include "server/region/boundary_strip.h"
+#include "server/region/view/boundary_strip.h"
 
 #include <algorithm>
 #include <cmath>

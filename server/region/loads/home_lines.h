@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "server/aura/partition_lines.h"
-#include "server/aura/partition_map.h"
+#include "server/aura/partition/partition_lines.h"
+#include "server/aura/partition/partition_map.h"
 #include "server/base/tick.h"
-#include "server/region/load_levels.h"
+#include "server/region/loads/load_levels.h"
 
 namespace aureole {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/aura/aura_radius.h"
+#include "server/aura/shapes/aura_radius.h"
 #include "server/base/ids.h"
 #include "server/base/tick.h"
 

@@ -1,5 +1,5 @@
 // Geometry of regions: ownership of points, neighbours, and the boundaries between them.
-#include "server/aura/partition_map.h"
+#include "server/aura/partition/partition_map.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // One walk over those who are awake; whoever is not in it any more has fallen asleep or gone.
-#include "server/region/hosted_bodies.h"
+#include "server/region/view/hosted_bodies.h"
 
 #include <algorithm>
 #include <cmath>

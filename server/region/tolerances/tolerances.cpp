@@ -1,5 +1,5 @@
 // One judgement for every tolerance: left at once, held again after a while.
-#include "server/region/tolerances.h"
+#include "server/region/tolerances/tolerances.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Sorting, and looking only where boxes may begin that reach as far as here.
-#include "server/aura/box_rows.h"
+#include "server/aura/shapes/box_rows.h"
 
 #include <algorithm>
 #include <limits>

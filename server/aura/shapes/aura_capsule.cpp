@@ -1,5 +1,5 @@
 // Segments against each other.
-#include "server/aura/aura_capsule.h"
+#include "server/aura/shapes/aura_capsule.h"
 
 #include <algorithm>
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/aura/aura_box.h"
+#include "server/aura/shapes/aura_box.h"
 
 namespace aureole {
 

@@ -1,5 +1,5 @@
 // Up at once, down after a while, in whole steps.
-#include "server/region/followed_latency.h"
+#include "server/region/tolerances/followed_latency.h"
 
 #include <algorithm>
 

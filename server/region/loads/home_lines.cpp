@@ -1,5 +1,5 @@
 // From levels to loads, from loads to lines.
-#include "server/region/home_lines.h"
+#include "server/region/loads/home_lines.h"
 
 #include <algorithm>
 #include <cmath>

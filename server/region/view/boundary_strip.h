@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "server/aura/migration_policy.h"
-#include "server/aura/partition_map.h"
+#include "server/aura/partition/partition_map.h"
 
 namespace aureole {
 

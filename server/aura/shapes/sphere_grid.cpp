@@ -1,5 +1,5 @@
 // The grid of spheres: one counting sort by cell, then scans of the cells around a sphere.
-#include "server/aura/sphere_grid.h"
+#include "server/aura/shapes/sphere_grid.h"
 
 #include <algorithm>
 #include <cmath>

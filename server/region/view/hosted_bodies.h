@@ -8,10 +8,10 @@
 #include "server/aura/sleepers.h"
 #include "server/base/ids.h"
 #include "server/base/tick.h"
-#include "server/region/boundary_strip.h"
 #include "server/region/hosting.h"
-#include "server/region/nearby_geometry.h"
 #include "server/region/stand_ins/stand_in_watch.h"
+#include "server/region/view/boundary_strip.h"
+#include "server/region/view/nearby_geometry.h"
 
 namespace aureole {
 
