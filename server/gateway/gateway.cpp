@@ -76,7 +76,7 @@ Gateway::Impl::Impl(asio::io_context& context, const WorldDefinition& w, Gateway
       regions(context, w, {options.number, options.incarnation, options.regions},
               {.updated = [this](RegionId r) { hub.region_updated(r, monotonic_us()); },
                .changed = [this] { hub.regions_changed(monotonic_us()); }}),
-      moments(regions, builder),
+      moments(regions, builder, w),
       stage{builder, moments, *pool, totals},
       hub(w, regions, stage, {options.number, options.max_players}),
       http(context, {.listen = options.listen},

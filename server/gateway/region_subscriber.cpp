@@ -8,6 +8,7 @@
 
 #include "server/base/check.h"
 #include "server/replica/recovery_answer.h"
+#include "server/worlds/region_tiling.h"
 
 namespace aureole {
 namespace {
@@ -17,6 +18,11 @@ std::vector<RegionId> region_ids(const std::vector<PeerAddress>& addresses) {
   for (const PeerAddress& address : addresses) ids.push_back(address.peer.as_region());
   std::sort(ids.begin(), ids.end());
   return ids;
+}
+
+HomeLines lines_of(const WorldDefinition& world) {
+  const PartitionMap map = partition_of(world);
+  return HomeLines(map, RegionId{0}, HomeLines::move_in(world.mode, map));
 }
 
 PeerLinksOptions link_options(const WorldDefinition& world,
@@ -37,6 +43,7 @@ RegionSubscriber::RegionSubscriber(boost::asio::io_context& io, const WorldDefin
       regions_(region_ids(options.regions)),
       events_(std::move(events)),
       store_(world.prototypes.size()),
+      lines_(lines_of(world)),
       reports_(world.regions.size()),
       links_(io, link_options(world, options), world_clock_,
              {.up = [this](PeerId peer, const PeerHello&) { on_up(peer); },
@@ -98,8 +105,12 @@ Status RegionSubscriber::on_recovery_query(RegionId from, const Frame& frame) {
 Status RegionSubscriber::on_status(RegionId from, const Frame& frame) {
   const auto* status = verified<wire::RegionStatus>(frame.payload);
   if (!status) return Error{"a region's status cannot be read"};
+  if (!is_wire_tick(status->tick()))
+    return Error::format("a region's status of tick {}; expected at most {} from 0", status->tick(),
+                         wire_tick_max);
   auto outside = read_outside(*status);
   if (!outside) return outside.error();
+  lines_.hear(from, Tick{status->tick()}, {status->line_level(), status->next_line_level()});
   RegionReport& report = reports_[from.value];
   report.bodies = status->bodies();
   report.awake = status->awake();
@@ -117,6 +128,11 @@ Status RegionSubscriber::on_status(RegionId from, const Frame& frame) {
   report.whole_looks = status->whole_looks();
   report.recovering = status->recovering();
   return Ok{};
+}
+
+const PartitionMap& RegionSubscriber::map_at(std::int64_t world_us) {
+  lines_.move(Tick{world_us / tick_us});
+  return lines_.map();
 }
 
 Result<std::vector<ToleranceEvent>> RegionSubscriber::read_outside(

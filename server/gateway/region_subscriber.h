@@ -14,6 +14,7 @@
 #include "server/gateway/pictures/draw_clock.h"
 #include "server/net/peer_links.h"
 #include "server/net/world_clock.h"
+#include "server/region/loads/home_lines.h"
 #include "server/region/tolerances/tolerances.h"
 #include "server/replica/replica_store.h"
 #include "server/worlds/world.h"
@@ -72,6 +73,9 @@ class RegionSubscriber {
   std::optional<std::int64_t> draw_us(std::int64_t local_us) {
     return draw_clock_.world_us(local_us);
   }
+  /// Where regions end at this world time, as far as has been heard; see HomeLines. Valid until it
+  /// is asked again. Time goes forwards.
+  const PartitionMap& map_at(std::int64_t world_us);
   /// By region number, one for each region of the world.
   const std::vector<RegionReport>& reports() const { return reports_; }
 
@@ -90,6 +94,7 @@ class RegionSubscriber {
   ReplicaStore store_;
   DrawClock draw_clock_;
   WorldClock world_clock_;
+  HomeLines lines_;
   std::vector<RegionReport> reports_;
   PeerLinks links_;
 };

@@ -43,7 +43,7 @@ RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation 
       hosted_bodies_(map_, self_, hosting_.statics()),
       awake_everywhere_(world.regions.size(), 0.0),
       load_levels_(world.regions.size(), self),
-      home_lines_(map_, self, world.mode == MigrationMode::adaptive && map_.has_corners()),
+      home_lines_(map_, self, HomeLines::move_in(world.mode, map_)),
       injected_(world.injectors.size(), 0),
       tolerances_(world.tolerances, self, world.regions.size()) {
   AUREOLE_CHECK(self.value < world.regions.size(), "a core is one of its world's regions");

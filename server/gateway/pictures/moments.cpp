@@ -21,6 +21,7 @@ SharedMoment Moments::at(std::int64_t local_us) {
   moment->world_us = *world_us;
   if (last_) moment->poses.reserve(last_->poses.size() + 16);
   regions_.store().sample(*world_us, moment->poses);
+  moment->boundaries = boundary_lines(regions_.map_at(*world_us), world_.bounds);
   last_ = std::move(moment);
   last_local_us_ = local_us;
   return last_;
@@ -28,8 +29,10 @@ SharedMoment Moments::at(std::int64_t local_us) {
 
 SharedScene Moments::scene(const Moment& moment, bool tinted) const {
   SharedScene& scene = moment.scenes[tinted ? 1 : 0];
-  if (!scene) scene = std::make_shared<const render::Scene>(builder_.build(moment.poses, tinted));
-  return scene;
+  if (scene) return scene;
+  render::Scene built = builder_.build(moment.poses, tinted);
+  built.boundaries = moment.boundaries;
+  return scene = std::make_shared<const render::Scene>(std::move(built));
 }
 
 }  // namespace aureole

@@ -17,6 +17,7 @@ namespace aureole {
 struct Moment {
   std::int64_t world_us = 0;
   std::vector<ReplicaPose> poses;  ///< Ascending by id.
+  std::vector<render::BoundaryLine> boundaries;
   /// Plain and tinted by region; made when first asked for.
   mutable std::array<SharedScene, 2> scenes;
 
@@ -26,9 +27,9 @@ using SharedMoment = std::shared_ptr<const Moment>;
 
 class Moments {
  public:
-  /// Both must outlive it.
-  Moments(RegionSubscriber& regions, const SceneBuilder& builder)
-      : regions_(regions), builder_(builder) {}
+  /// All must outlive it.
+  Moments(RegionSubscriber& regions, const SceneBuilder& builder, const WorldDefinition& world)
+      : regions_(regions), builder_(builder), world_(world) {}
 
   /// The moment to draw at local time `local_us`: the last one if that is not older than
   /// `reuse_us`. Null until a region has been heard.
@@ -41,6 +42,7 @@ class Moments {
  private:
   RegionSubscriber& regions_;
   const SceneBuilder& builder_;
+  const WorldDefinition& world_;
   SharedMoment last_;
   std::int64_t last_local_us_ = 0;
 };

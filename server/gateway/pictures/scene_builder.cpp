@@ -117,32 +117,23 @@ Colour player_colour(PlayerId player) {
   return to_colour({hue, 0.8, 0.95});
 }
 
-std::vector<render::BoundaryLine> boundary_lines(const WorldDefinition& world) {
+std::vector<render::BoundaryLine> boundary_lines(const PartitionMap& map, const Box3& bounds) {
   std::vector<render::BoundaryLine> lines;
-  const auto& bounds = world.bounds;
   const auto point = [](double x, double z) {
     return Eigen::Vector2f(static_cast<float>(x), static_cast<float>(z));
   };
-  for (const RegionDefinition& low : world.regions) {
-    for (const RegionDefinition& high : world.regions) {
-      const Rectangle &a = low.area, &b = high.area;
-      if (a.max_x == b.min_x) {
-        const double from = std::max({a.min_z, b.min_z, bounds.min.z()});
-        const double to = std::min({a.max_z, b.max_z, bounds.max.z()});
-        if (from < to) lines.push_back({point(a.max_x, from), point(a.max_x, to)});
-      }
-      if (a.max_z == b.min_z) {
-        const double from = std::max({a.min_x, b.min_x, bounds.min.x()});
-        const double to = std::min({a.max_x, b.max_x, bounds.max.x()});
-        if (from < to) lines.push_back({point(from, a.max_z), point(to, a.max_z)});
-      }
-    }
+  for (const BoundarySegment& edge : map.boundaries()) {
+    const double from_x = std::max(edge.from_x, bounds.min.x());
+    const double from_z = std::max(edge.from_z, bounds.min.z());
+    const double to_x = std::min(edge.to_x, bounds.max.x());
+    const double to_z = std::min(edge.to_z, bounds.max.z());
+    const bool outside = from_x > to_x || from_z > to_z;
+    if (!outside) lines.push_back({point(from_x, from_z), point(to_x, to_z)});
   }
   return lines;
 }
 
-SceneBuilder::SceneBuilder(const WorldDefinition& world)
-    : world_(world), boundaries_(boundary_lines(world)) {
+SceneBuilder::SceneBuilder(const WorldDefinition& world) : world_(world) {
   for (const Prototype& prototype : world.prototypes)
     mesh_of_prototype_.push_back(mesh_of(prototype.body.shape));
 
@@ -178,7 +169,6 @@ render::MeshIndex SceneBuilder::mesh_of(const Shape& shape) {
 
 render::Scene SceneBuilder::build(std::span<const ReplicaPose> poses, bool tinted) const {
   render::Scene scene;
-  scene.boundaries = boundaries_;
   scene.instances.reserve(poses.size());
   for (const ReplicaPose& pose : poses) {
     if (pose.prototype.value >= mesh_of_prototype_.size()) continue;

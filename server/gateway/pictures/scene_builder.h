@@ -8,6 +8,7 @@
 #include "renderer/mesh/mesh.h"
 #include "renderer/renderer.h"
 #include "renderer/scene.h"
+#include "server/aura/partition/partition_map.h"
 #include "server/gateway/web/browser_messages.h"
 #include "server/replica/replica_store.h"
 #include "server/worlds/world.h"
@@ -30,7 +31,7 @@ class SceneBuilder {
   const render::StaticGeometry& statics() const { return statics_; }
 
   /// Sort keys are body ids, positions relative to the world's origin. `tinted`: bodies are
-  /// coloured by the region that owns them.
+  /// coloured by the region that owns them. Boundaries are not in it: they move.
   render::Scene build(std::span<const ReplicaPose> poses, bool tinted) const;
 
   /// From the eyes of an avatar that is at `pose`.
@@ -48,11 +49,10 @@ class SceneBuilder {
   std::vector<std::vector<float>> mesh_keys_;  ///< Equal shapes share a mesh, and so a draw call.
   std::vector<render::MeshIndex> mesh_of_prototype_;
   render::StaticGeometry statics_;
-  std::vector<render::BoundaryLine> boundaries_;
   double eye_above_centre_m_ = 0;
 };
 
-/// The finite edges that two regions share, cut off at the world's bounds.
-std::vector<render::BoundaryLine> boundary_lines(const WorldDefinition& world);
+/// The edges that two regions share, cut off at the world's bounds.
+std::vector<render::BoundaryLine> boundary_lines(const PartitionMap& map, const Box3& bounds);
 
 }  // namespace aureole

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "server/aura/migration_mode.h"
 #include "server/aura/partition/partition_lines.h"
 #include "server/aura/partition/partition_map.h"
 #include "server/base/tick.h"
@@ -25,8 +26,14 @@ namespace aureole {
 /// its own home.
 class HomeLines {
  public:
-  /// `moves`: false keeps them where the map has them, whatever is told.
+  /// `self`: of whose load tell() tells; for who only hears, any. `moves`: false keeps them where
+  /// the map has them, whatever is told.
   HomeLines(const PartitionMap& map, RegionId self, bool moves);
+  /// Whether they move in such a world: two that meet nowhere else shift the line between them for
+  /// what they contest (load_balance.h).
+  static bool move_in(MigrationMode mode, const PartitionMap& map) {
+    return mode == MigrationMode::adaptive && map.has_corners();
+  }
 
   /// Loads below this are all alike (bodies awake, > 0); see LoadLevels::awake_min.
   void level_from(double awake) { levels_.level_from(awake); }

@@ -122,6 +122,8 @@ void FakeRegion::publish_status() {
   status.add_outside(outside);
   status.add_tolerance_events(options_.outside.size());
   status.add_missed_blows(options_.missed_blows);
+  status.add_line_level(options_.line_level);
+  status.add_next_line_level(options_.line_level);
   const auto frame = std::make_shared<const Bytes>(
       finish_frame(builder, status.Finish(), FrameType::region_status));
   for (const PeerId gateway : gateways_) links_->send(gateway, frame);

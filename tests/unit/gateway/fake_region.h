@@ -29,6 +29,7 @@ class FakeRegion {
     bool applies = true;                            ///< Whether commands are applied at all.
     std::vector<wire::ToleranceMark> outside = {};  ///< Told with its status.
     std::uint64_t missed_blows = 0;
+    std::uint16_t line_level = 0xFFFF;  ///< The same; see HomeLines.
   };
   FakeRegion(const WorldDefinition& world, Options options);
   ~FakeRegion();

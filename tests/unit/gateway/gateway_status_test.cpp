@@ -60,3 +60,30 @@ TEST_CASE("Health and status say which regions are there and what they report") 
   REQUIRE(fresh.wait_for_pictures(fresh.pictures() + 30));
   REQUIRE_FALSE(returning.wait_for_text("\"welcome\"", 0.1));
 }
+
+TEST_CASE("Boundaries are drawn where regions end now, by what their servers say of their loads") {
+  const WorldDefinition corner = small_world_with_corner();
+  const auto picture = [&](std::uint16_t west_level, const std::string& options) {
+    std::vector<std::unique_ptr<FakeRegion>> regions;
+    std::vector<PeerAddress> at;
+    for (std::uint16_t k = 0; k < 4; ++k) {
+      const std::uint16_t level = k % 2 == 0 ? west_level : 400;
+      regions.push_back(std::make_unique<FakeRegion>(
+          corner, FakeRegion::Options{.id = RegionId{k}, .bodies = 1, .line_level = level}));
+      at.push_back(regions.back()->address());
+    }
+    RunningGateway gateway(at, 8, corner);
+    gateway.wait_until_healthy();
+    // Until all have said how much they have to do, at every sixteenth tick.
+    std::this_thread::sleep_for(std::chrono::milliseconds(600));
+    const auto answer = gateway.get(
+        "/api/frame.jpg?x=0&y=30&z=40&yaw=0&pitch=-0.6&w=320&h=180&format=ppm" + options);
+    REQUIRE(answer.status == 200);
+    return answer.body;
+  };
+  // 1.0025^400 is 2.7, 1.0025^900 is 9.5: the line between west and east goes west.
+  const std::string even = picture(400, "&boundaries=1");
+  REQUIRE(picture(400, "&boundaries=1") == even);
+  REQUIRE(picture(900, "&boundaries=1") != even);
+  REQUIRE(picture(900, "") == picture(400, ""));
+}

@@ -29,9 +29,9 @@ inline const WorldDefinition& world() {
 /// A gateway on a thread of its own.
 class RunningGateway {
  public:
-  explicit RunningGateway(std::vector<PeerAddress> regions, int max_players = 8)
-      : gateway_(
-            std::make_unique<Gateway>(io_, world(), options(std::move(regions), max_players))) {
+  explicit RunningGateway(std::vector<PeerAddress> regions, int max_players = 8,
+                          const WorldDefinition& of = world())
+      : gateway_(std::make_unique<Gateway>(io_, of, options(std::move(regions), max_players))) {
     const auto port = gateway_->start();
     if (!port) FAIL(port.error().message);
     at = {"127.0.0.1", *port};

@@ -1,6 +1,7 @@
 // From replicas to scenes.
 #include "server/gateway/pictures/scene_builder.h"
 
+#include "server/worlds/region_tiling.h"
 #include "tests/support/catch.h"
 #include "tests/unit/gateway/small_world.h"
 
@@ -70,7 +71,7 @@ TEST_CASE("Regions have colours that can be told apart") {
 
 TEST_CASE("Boundaries are the edges that two regions share, within the world's bounds") {
   const WorldDefinition two = small_world();
-  const auto line = boundary_lines(two);
+  const auto line = boundary_lines(partition_of(two), two.bounds);
   REQUIRE(line.size() == 1);
   REQUIRE(line[0].from_xz == Eigen::Vector2f(0, -100));
   REQUIRE(line[0].to_xz == Eigen::Vector2f(0, 100));
@@ -79,7 +80,10 @@ TEST_CASE("Boundaries are the edges that two regions share, within the world's b
   Rectangle north_west = t_shape.regions[0].area, south_west = north_west;
   north_west.max_z = south_west.min_z = 10;
   t_shape.regions = {{"nw", north_west}, {"sw", south_west}, t_shape.regions[1]};
-  REQUIRE(boundary_lines(t_shape).size() == 3);
+  REQUIRE(boundary_lines(partition_of(t_shape), t_shape.bounds).size() == 3);
+
+  const Box3 west_only{{-100, -10, -100}, {-1, 100, 100}};
+  REQUIRE(boundary_lines(partition_of(two), west_only).empty());
 }
 
 TEST_CASE("The eye is 0.2 m below the top of the avatar, and looks where the player looks") {

@@ -1,6 +1,9 @@
 // The world that the gateway's tests share.
 #include "tests/unit/gateway/small_world.h"
 
+#include <string>
+#include <utility>
+
 namespace aureole::test {
 
 WorldDefinition small_world(double spawn_x) {
@@ -31,6 +34,19 @@ WorldDefinition small_world(double spawn_x) {
   world.spawn_points = {{{spawn_x, 1, 0}, 0}};
   for (Throwable& throwable : world.throwables) throwable = {"ball", ball_kind, 20};
   world.avatar = avatar_kind;
+  return world;
+}
+
+WorldDefinition small_world_with_corner() {
+  WorldDefinition world = small_world();
+  const Rectangle west = world.regions[0].area, east = world.regions[1].area;
+  world.regions.clear();
+  for (const bool south : {false, true})
+    for (const auto& [name, area] : {std::pair("west", west), std::pair("east", east)}) {
+      Rectangle part = area;
+      (south ? part.min_z : part.max_z) = 0;
+      world.regions.push_back({std::string(south ? "south-" : "north-") + name, part});
+    }
   return world;
 }
 

@@ -12,5 +12,7 @@ inline constexpr PrototypeId rock_kind{3};   ///< Box of 0.5 m half edges, 500 k
 
 /// Regions "west" (x < 0) and "east"; spawn point at (-5, 1, 0) unless `spawn_x` says otherwise.
 WorldDefinition small_world(double spawn_x = -5);
+/// The same with four regions around the origin, west before east, north (z < 0) before south.
+WorldDefinition small_world_with_corner();
 
 }  // namespace aureole::test
