@@ -212,6 +212,11 @@ void add_experiment(CLI::App& app, int& exit_code) {
                    "than ours, and only maxima need many repeats")
       ->check(CLI::Range(1, 1000));
   command
+      ->add_option("--single-repeats", e.single_repeats,
+                   "Of these repeats, how many single runs beside, if not all: it takes longer\n"
+                   "than all others together")
+      ->check(CLI::Range(1, 1000));
+  command
       ->add_option(
           "--cold-caches", e.cold_caches_s,
           "s: so long before the end every frame begins with cold caches, and each server\n"

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include "server/measure/bare_worlds.h"
@@ -37,7 +38,8 @@ class Experiment {
                        r_.world.tolerances.frame_time_ms);
     };
     for (const std::string& mode : r_.modes) r_.runs.emplace(mode, record(mode));
-    r_.beside = record(r_.options.mode);
+    for (const std::string& mode : r_.modes)
+      if (mode != r_.options.mode) r_.beside.emplace(mode, record(r_.options.mode));
     for (int repeat = 0; repeat < r_.options.repeats; ++repeat)
       if (auto measured = measure(repeat); !measured) return measured.error();
     if (!talks_ || !r_.options.judged) return Ok{};
@@ -88,16 +90,25 @@ class Experiment {
                                            options);
   }
 
+  /// Those that run in it; ours comes first.
+  std::vector<std::string> modes_of(int repeat) const {
+    const ExperimentOptions& o = r_.options;
+    std::vector<std::string> modes{r_.modes.front()};
+    if (repeat >= o.reference_repeats) return modes;
+    std::copy_if(
+        r_.modes.begin() + 1, r_.modes.end(), std::back_inserter(modes),
+        [&](const std::string& mode) { return mode != "single" || repeat < o.single_repeats; });
+    return modes;
+  }
+
   Status measure(int repeat) {
-    // Ours comes first among the modes.
-    const bool compared = repeat < r_.options.reference_repeats;
-    const std::size_t count = compared ? r_.modes.size() : 1;
+    const std::vector<std::string> modes = modes_of(repeat);
     std::vector<std::unique_ptr<MeasuredRun>> runs;
-    for (std::size_t i = 0; i < count; ++i) {
-      runs.push_back(start(r_.modes[i]));
-      r_.runs.at(r_.modes[i]).begin_repeat();
+    for (const std::string& mode : modes) {
+      runs.push_back(start(mode));
+      r_.runs.at(mode).begin_repeat();
+      if (mode != r_.options.mode) r_.beside.at(mode).begin_repeat();
     }
-    if (compared) r_.beside->begin_repeat();
     const Tick last = r_.clock.last();
     std::size_t turn = static_cast<std::size_t>(repeat);
     for (Tick from{1}; from <= last; from = from + turn_ticks, ++turn) {
@@ -107,8 +118,10 @@ class Experiment {
         for (Tick now = from; now <= to; now = now + 1) {
           now_ = now;
           runs[which]->tick();
-          r_.runs.at(r_.modes[which]).note(now, *runs[which]);
-          if (compared && which == 0) r_.beside->note(now, *runs[which]);
+          r_.runs.at(modes[which]).note(now, *runs[which]);
+          if (which > 0) continue;
+          for (std::size_t other = 1; other < modes.size(); ++other)
+            r_.beside.at(modes[other]).note(now, *runs[which]);
         }
       }
       progress_(fmt::format("repeat {} of {}: {:.0f} of {:.0f} s", repeat + 1, r_.options.repeats,
@@ -118,9 +131,9 @@ class Experiment {
     for (std::size_t i = 0; i < runs.size(); ++i) {
       refused += runs[i]->refused_messages();
       const std::uint64_t hash = runs[i]->state_hash();
-      if (r_.hashes.try_emplace(r_.modes[i], hash).first->second != hash)
+      if (r_.hashes.try_emplace(modes[i], hash).first->second != hash)
         return Error::format("repeat {} of {} did not end like the first one", repeat + 1,
-                             r_.modes[i]);
+                             modes[i]);
     }
     r_.refused = std::max(r_.refused, refused);
     return Ok{};

@@ -29,6 +29,8 @@ struct ExperimentOptions {
   bool with_references = true;
   /// In how many of the repeats, at most; they are compared with the same repeats of ours.
   int reference_repeats = 1000;
+  /// The same for `single` alone, which takes longer than all others together.
+  int single_repeats = 1000;
   /// Whether they are also run as `single`, for the speedup; not if there are more bodies than
   /// `single_bodies_max`.
   bool with_single = true;

@@ -96,8 +96,9 @@ class Report {
   /// Theirs over ours, by the busiest server's mean frame.
   json ratio(const std::string& reference, std::size_t first, std::size_t end) const {
     const auto found = r_.runs.find(reference);
-    const double ours = total_ms(r_.beside->worst_server(first, end));
-    if (reference == r_.options.mode || found == r_.runs.end() || ours <= 0) return nullptr;
+    if (reference == r_.options.mode || found == r_.runs.end()) return nullptr;
+    const double ours = total_ms(r_.beside.at(reference).worst_server(first, end));
+    if (ours <= 0) return nullptr;
     return total_ms(found->second.worst_server(first, end)) / ours;
   }
 
@@ -105,6 +106,12 @@ class Report {
     return {{"speedup", ratio("single", first, end)},
             {"efficiency", ratio("cut", first, end)},
             {"efficiency_ideal", ratio("ideal", first, end)}};
+  }
+
+  /// Of the repeats that `cut` and `ideal` ran beside.
+  const RunRecord& own_beside_references() const {
+    const auto found = r_.beside.find("cut");
+    return found == r_.beside.end() ? r_.own() : found->second;
   }
 
   json last_10_s() const {
@@ -116,8 +123,9 @@ class Report {
     last["share_besides_physics"] =
         1 - worst[static_cast<std::size_t>(StepProfile::Part::physics)] / total_ms(worst);
     for (const std::string& mode : r_.modes)
-      last["reference_ms"][mode] = total_ms(
-          (mode == r_.options.mode ? *r_.beside : r_.runs.at(mode)).worst_server(first, end_));
+      last["reference_ms"][mode] =
+          total_ms((mode == r_.options.mode ? own_beside_references() : r_.runs.at(mode))
+                       .worst_server(first, end_));
     return last;
   }
 
@@ -133,6 +141,9 @@ class Report {
         {"seed", o.workload.seed},
         {"repeats", o.repeats},
         {"reference_repeats", r_.modes.size() > 1 ? std::min(o.repeats, o.reference_repeats) : 0},
+        {"single_repeats", r_.runs.contains("single") && r_.modes.size() > 1
+                               ? std::min({o.repeats, o.reference_repeats, o.single_repeats})
+                               : 0},
         {"latency_ms", o.latency_ms},
         {"jitter_ms", o.jitter_ms},
         {"loss_pct", o.loss_pct},

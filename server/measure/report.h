@@ -20,7 +20,8 @@ struct ExperimentRecord {
   BucketClock clock;
   std::vector<std::string> modes;  ///< The one asked for first, then those that ran beside it.
   std::map<std::string, RunRecord> runs;
-  std::optional<RunRecord> beside;  ///< Ours, of the repeats that had references beside them only.
+  /// Ours, of the repeats that each of the others ran beside only; by that one's name.
+  std::map<std::string, RunRecord> beside;
   std::map<std::string, std::uint64_t> hashes;
   std::uint64_t refused = 0;
   std::optional<Judgement> judgement;

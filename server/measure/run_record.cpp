@@ -159,8 +159,11 @@ nlohmann::json RunRecord::to_json(std::size_t b) const {
   const Bucket& bucket = buckets_[b];
   const double repeats = static_cast<double>(bucket.maxima_ms.size());
   nlohmann::json server_ms = nlohmann::json::array(), bodies = server_ms, awake = server_ms;
-  for (const FrameTime& sum : bucket.sums_ms)
-    server_ms.push_back(total_ms(sum) / static_cast<double>(bucket.ticks));
+  nlohmann::json server_split = nlohmann::json::array();
+  for (const FrameTime& mean : means(b, b + 1)) {
+    server_ms.push_back(total_ms(mean));
+    server_split.push_back(by_part(mean));
+  }
   std::uint64_t all = 0, foreign = 0;
   for (const ServerLoad& load : bucket.loads) {
     bodies.push_back(load.bodies);
@@ -177,6 +180,7 @@ nlohmann::json RunRecord::to_json(std::size_t b) const {
                {"p99_frame_ms", quantile(bucket.frames_ms, 0.99)},
                {"split", by_part(worst)},
                {"server_ms", server_ms},
+               {"server_split", server_split},
                {"median_server_ms", median_server_ms(b, b + 1)},
                {"latency_tolerance_ms", bucket.latency_tolerance_ms
                                             ? nlohmann::json(*bucket.latency_tolerance_ms)

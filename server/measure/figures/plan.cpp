@@ -197,17 +197,17 @@ std::vector<std::string> PlannedRun::arguments() const {
   if (!judged) words.push_back("--no-judge");
   if (!references) words.push_back("--no-references");
   if (references && !single) words.push_back("--no-single");
-  if (references && repeats > 1) option("--reference-repeats", "1");
+  if (single && repeats > 1) option("--single-repeats", "1");
   if (cold_caches_s > 0) option("--cold-caches", plain(cold_caches_s));
   return words;
 }
 
 double PlannedRun::cost() const {
-  // Every tick steps what has come so far. The oracles take about as long as the servers; of the
-  // references, `cut` and `ideal` take half of that and `single` as much as all servers together.
+  // Every tick steps what has come so far. The oracles take about as long as the servers; so do
+  // `cut` and `ideal`, beside each repeat, and `single`, beside one, as all servers together.
   const double rate = study == Study::weak ? rate_per_s * servers / 4 : rate_per_s;
   const double world = seconds * seconds * rate;
-  return world * (repeats + (references ? 1.0 : 0.0) + (single ? 1.0 : 0.0) + (judged ? 2.0 : 0.0));
+  return world * (repeats * (references ? 3.0 : 1.0) + (single ? 1.0 : 0.0) + (judged ? 2.0 : 0.0));
 }
 
 nlohmann::json to_json(const PlannedRun& run) {

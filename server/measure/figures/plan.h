@@ -54,8 +54,8 @@ struct PlannedRun {
   PlannedNetwork network;
   PlannedTolerances tolerances;
   bool judged = true;      ///< Whether oracles look at it once more.
-  bool references = true;  ///< Whether `cut` and `ideal` run beside its first repeat.
-  bool single = true;      ///< Whether `single` does, too.
+  bool references = true;  ///< Whether `cut` and `ideal` run beside it.
+  bool single = true;      ///< Whether `single` runs beside its first repeat, too.
   /// Frames of so many last seconds begin with cold caches.
   double cold_caches_s = 0;
 

@@ -44,7 +44,7 @@ json without_times(const json& value) {
       "split",        "server_ms",        "frames_in_tolerance_share",
       "speedup",      "efficiency",       "efficiency_ideal",
       "last_10_s",    "median_server_ms", "ticks_in_tolerance_share",
-      "ticks_outside"};
+      "server_split", "ticks_outside"};
   json rest = value;
   if (value.is_object())
     for (const std::string& name : times) rest.erase(name);
@@ -108,6 +108,7 @@ TEST_CASE("every mode's report has every field, and all of its bodies") {
                               "p99_frame_ms",
                               "split",
                               "server_ms",
+                              "server_split",
                               "frames_in_tolerance_share",
                               "bodies",
                               "awake",
@@ -136,6 +137,12 @@ TEST_CASE("every mode's report has every field, and all of its bodies") {
     for (const char* part : {"physics", "aura", "decide", "wire"})
       split += bucket["split"][part].get<double>();
     CHECK(split == Approx(bucket["worst_server_ms"].get<double>()));
+    REQUIRE(bucket["server_split"].size() == bucket["server_ms"].size());
+    for (std::size_t k = 0; k < bucket["server_ms"].size(); ++k) {
+      double parts = 0;
+      for (const json& part : bucket["server_split"][k]) parts += part.get<double>();
+      CHECK(parts == Approx(bucket["server_ms"][k].get<double>()));
+    }
 
     // 180 at the rate of the options, but for what injectors are behind by. Some are in flight.
     const auto injected = report["bodies_injected"].get<std::uint64_t>();
@@ -197,6 +204,7 @@ TEST_CASE("repeats change no counts") {
   CHECK(twice["buckets"][0]["speedup"].is_null());
   CHECK(twice["experiment"]["repeats"] == 2);
   CHECK(twice["experiment"]["reference_repeats"] == 2);
+  CHECK(twice["experiment"]["single_repeats"] == 0);
   twice["experiment"]["repeats"] = twice["experiment"]["reference_repeats"] = 1;
   CHECK(without_times(once) == without_times(twice));
 }
@@ -218,6 +226,23 @@ TEST_CASE("references may run beside some repeats only, and are compared with th
   json once = run(options), thrice = report;
   once["experiment"]["repeats"] = 3;
   CHECK(without_times(once) == without_times(thrice));
+}
+
+TEST_CASE("`single` may run beside fewer repeats than the other references") {
+  ExperimentOptions options = small("adaptive");
+  options.repeats = 2;
+  options.single_repeats = 1;
+  const json report = run(options);
+  CHECK(report["experiment"]["reference_repeats"] == 2);
+  CHECK(report["experiment"]["single_repeats"] == 1);
+  const json& last = report["last_10_s"];
+  const double ours_ms = last["worst_server_ms"], single_ms = last["reference_ms"]["single"];
+  // All of ours ran beside `cut`, half of it beside `single`.
+  CHECK(last["reference_ms"]["adaptive"] == ours_ms);
+  CHECK(last["efficiency"].get<double>() ==
+        Approx(last["reference_ms"]["cut"].get<double>() / ours_ms));
+  CHECK(last["speedup"].get<double>() > 0);
+  CHECK(last["speedup"].get<double>() != single_ms / ours_ms);
 }
 
 TEST_CASE("a layout for so many servers is refused before anything runs") {

@@ -136,7 +136,7 @@ TEST_CASE("each region of a grid gets as many bodies, whatever the grid's size")
       CHECK(beside[r] == Approx(20));
       CHECK(at_centre[r] == Approx(20));
     }
-    CHECK(world.max_bodies >= servers * 40 * 60);
+    CHECK(world.max_bodies >= static_cast<std::uint32_t>(servers) * 40 * 60);
   }
 }
 

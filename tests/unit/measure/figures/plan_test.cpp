@@ -131,13 +131,13 @@ TEST_CASE("seconds, rate, repeats, seed and studies can be chosen") {
   CHECK(some.size() == 6);
 }
 
-TEST_CASE("references run beside the first repeat, and `single` beside ours only") {
+TEST_CASE("references run beside every repeat, and `single` beside the first of ours only") {
   PlannedRun run;
   run.servers = 10;
   run.repeats = 5;
   CHECK(command_line(run.arguments()) ==
         "aureole experiment column --servers 10 --mode adaptive --seconds 60 --rate 160 --seed 1 "
-        "--repeat 5 --latency-ms 2 --jitter-ms 1 --reference-repeats 1");
+        "--repeat 5 --latency-ms 2 --jitter-ms 1 --single-repeats 1");
   run.repeats = 1;
   run.single = false;
   CHECK(command_line(run.arguments()) ==
