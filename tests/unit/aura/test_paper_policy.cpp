@@ -97,7 +97,12 @@ struct Servers {
     const RegionId self{static_cast<std::uint16_t>(from)};
     for (const ProjectedAura& aura : decisions[from].projected)
       aura.to.for_each([&](RegionId to) {
-        heard[to.value].try_emplace(aura.id, RemoteAura{aura.id, self, aura.room, aura.asleep});
+        RemoteAura told;
+        told.id = aura.id;
+        told.host = self;
+        told.room = aura.room;
+        told.asleep = aura.asleep;
+        heard[to.value].try_emplace(aura.id, told);
       });
     for (const Pull& pull : decisions[from].pulls)
       for (BodyId id : pull.bodies) asked[pull.from.value].push_back({id, self});

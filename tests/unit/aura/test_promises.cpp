@@ -1,0 +1,202 @@
+// What has been asked for, or given, and is on its way: who waits for it, and for how long.
+#include "tests/support/catch.h"
+#include "tests/unit/aura/adaptive_scene.h"
+
+using namespace aureole;
+using namespace aureole::adaptive_scene;
+
+TEST_CASE("what the arbiter has asked for is not met halfway") {
+  Scene scene;
+  const auto policy = make_adaptive_policy(AuraTolerances{});
+  scene.hosted = {awake_at(0, 9.6)};
+  scene.remote = {aura(1, 1, false, 10.3)};
+  REQUIRE(scene.decide(*policy, Tick{0}).pulls.size() == 1);
+  scene.hosted[0].position.x = 9.9;  // The middle is on the other side now.
+  REQUIRE(scene.decide(*policy, Tick{1}).leaving.empty());
+  REQUIRE(scene.decide(*policy, Tick{20}).leaving.size() == 1);
+}
+
+TEST_CASE("what has changed twice since it was asked for was refused, and is met there") {
+  Scene scene;
+  const auto policy = make_adaptive_policy(AuraTolerances{});
+  scene.hosted = {awake_at(0, 9.6)};
+  scene.remote = {aura(1, 1, false, 10.3)};
+  REQUIRE(scene.decide(*policy, Tick{0}).pulls.size() == 1);
+  scene.remote[0].company.changes = Company::changes_max;
+  const auto decision = scene.decide(*policy, Tick{2});
+  REQUIRE(decision.pulls.empty());
+  REQUIRE(decision.leaving.size() == 1);
+}
+
+TEST_CASE("what was asked for by a side that had changed twice itself is not met halfway") {
+  // That request is met at once.
+  Scene scene;
+  const auto policy = make_adaptive_policy(AuraTolerances{});
+  scene.hosted = {awake_at(0, 9.6)};
+  scene.hosted[0].changed_owner = Tick{-3};
+  scene.hosted[0].changed_owner_before = Tick{-62};
+  scene.remote = {aura(1, 1, false, 10.3)};
+  REQUIRE(scene.decide(*policy, Tick{0}).pulls.size() == 1);
+  scene.remote[0].company.changes = Company::changes_max;
+  for (const std::int64_t tick : {2, 4, 6}) {
+    INFO("tick " << tick);
+    const auto decision = scene.decide(*policy, Tick{tick});
+    REQUIRE(decision.pulls.size() == 1);
+    REQUIRE(decision.leaving.empty());
+  }
+  // It has not come, nor will it.
+  REQUIRE(scene.decide(*policy, Tick{8}).leaving.size() == 1);
+}
+
+TEST_CASE("who has come to what is asked for keeps it there for a round trip, and no longer") {
+  // So long its host refuses; after that what has been asked for again comes, and whoever went to
+  // meet it would swap places with it.
+  for (const std::int64_t tick : {4, 6}) {
+    Scene scene;
+    const auto policy = make_adaptive_policy(AuraTolerances{});
+    scene.hosted = {awake_at(0, 9.9, 3)};
+    scene.remote = {aura(4, 1, false, 10.5, 3)};
+    REQUIRE(scene.decide(*policy, Tick{0}).leaving.size() == 1);
+    scene.hosted = {awake_at(1, 9.6, 3)};
+    scene.remote = {aura(2, 1, false, 10.1, 3)};
+    REQUIRE(scene.decide(*policy, Tick{2}).pulls.size() == 1);
+    scene.remote = {aura(0, 1, false, 10.1, 3.2), aura(2, 1, false, 10.1, 3)};
+    for (RemoteAura& aura : scene.remote) aura.company.label = 7;
+    REQUIRE(scene.decide(*policy, Tick{tick}).leaving.empty() == (tick == 6));
+  }
+}
+
+TEST_CASE("nobody follows what went to a cluster whose neighbour is asked for, after a round trip") {
+  for (const std::int64_t tick : {4, 6}) {
+    INFO("tick " << tick);
+    Scene scene;
+    const auto policy = make_adaptive_policy(AuraTolerances{});
+    scene.hosted = {awake_at(0, 9.9, 3)};
+    scene.remote = {aura(4, 1, false, 10.5, 3)};
+    REQUIRE(scene.decide(*policy, Tick{0}).leaving.size() == 1);
+    scene.hosted = {awake_at(1, 9.6, 3)};
+    scene.remote = {aura(2, 1, false, 10.1, 3)};
+    REQUIRE(scene.decide(*policy, Tick{2}).pulls.size() == 1);
+    // A row of ours reaches from what is asked for to what was given, whose cluster goes on to
+    // where it meets one more of ours.
+    for (const double z : {3.6, 4.2, 4.8, 5.4, 6.0})
+      scene.hosted.push_back(awake_at(static_cast<int>(10 * z), 9.6, z));
+    scene.hosted.push_back(awake_at(5, 9.6, 12));
+    scene.remote = {aura(0, 1, false, 10.1, 6), aura(2, 1, false, 10.1, 3),
+                    aura(6, 1, false, 10.1, 12)};
+    scene.remote[0].company.label = scene.remote[2].company.label = 8;
+    scene.remote[1].company.label = 7;
+    const auto leaving = scene.decide(*policy, Tick{tick}).leaving;
+    REQUIRE(leaving.empty() == (tick == 6));
+    if (tick == 4) REQUIRE(leaving[0].bodies == std::vector{name(5)});
+  }
+}
+
+TEST_CASE("what is sure to come is waited for, though something of ours went to the other side") {
+  // What has gone there keeps no cluster there but its own.
+  for (const bool joined : {false, true}) {
+    INFO("it has come to what was asked for: " << joined);
+    Scene scene;
+    const auto policy = make_adaptive_policy(AuraTolerances{});
+    scene.hosted = {awake_at(0, 9.9, 3)};
+    scene.remote = {aura(4, 1, false, 10.5, 3)};
+    REQUIRE(scene.decide(*policy, Tick{0}).leaving.size() == 1);
+    scene.hosted = {awake_at(1, 9.6, 3)};
+    scene.remote = {aura(2, 1, false, 10.1, 3)};
+    REQUIRE(scene.decide(*policy, Tick{2}).pulls.size() == 1);
+    scene.remote = {aura(0, 1, false, 10.1, 3.2), aura(2, 1, false, 10.1, 3)};
+    if (joined) scene.remote[0].company.label = scene.remote[1].company.label;
+    const auto decision = scene.decide(*policy, Tick{4});
+    REQUIRE(decision.leaving.empty() == !joined);
+    REQUIRE(decision.pulls.empty() == joined);
+  }
+}
+
+TEST_CASE("what has been given to the server that had it anyway joins nothing there") {
+  Scene scene;
+  const auto policy = make_adaptive_policy(AuraTolerances{});
+  scene.hosted = {awake_at(0, 9.9)};
+  scene.remote = {aura(1, 1, false, 10.5)};
+  REQUIRE(scene.decide(*policy, Tick{0}).leaving.size() == 1);
+  // One side has changed twice and asks for something of the same cluster there, which is met.
+  scene.hosted = {awake_at(2, 9.6, 3)};
+  scene.hosted[0].changed_owner = Tick{-3};
+  scene.hosted[0].changed_owner_before = Tick{-61};
+  scene.remote = {aura(1, 1, false, 12), aura(3, 1, false, 10.1, 3)};
+  scene.remote[0].company.label = scene.remote[1].company.label;
+  REQUIRE(scene.decide(*policy, Tick{2}).pulls.size() == 1);
+  scene.remote[1].company.changes = Company::changes_max;
+  REQUIRE(scene.decide(*policy, Tick{4}).leaving.empty());
+}
+
+TEST_CASE("what is asked for anew after it was left out is waited for as long as at first") {
+  Scene scene;
+  const auto policy = make_adaptive_policy(AuraTolerances{});
+  scene.hosted = {awake_at(0, 9.6, 3)};
+  scene.hosted[0].changed_owner = Tick{-3};
+  scene.hosted[0].changed_owner_before = Tick{-30};
+  scene.remote = {aura(1, 1, false, 10.1, 3)};
+  scene.remote[0].company.changes = Company::changes_max;
+  for (const std::int64_t tick : {0, 6, 8})
+    REQUIRE(scene.decide(*policy, Tick{tick}).pulls.size() == 1);
+  // Ours may change its owner again, but the other one is on its way.
+  scene.hosted[0].changed_owner_before = Tick{-100};
+  const auto decision = scene.decide(*policy, Tick{10});
+  REQUIRE(decision.leaving.empty());
+  REQUIRE(decision.pulls.size() == 1);
+}
+
+TEST_CASE("what is asked for by who knows now what it was refused for is waited for") {
+  Scene scene;
+  const auto policy = make_adaptive_policy(AuraTolerances{});
+  scene.hosted = {awake_at(0, 9.6, 3)};
+  scene.remote = {aura(1, 1, false, 10.1, 3)};
+  REQUIRE(scene.decide(*policy, Tick{0}).pulls.size() == 1);
+  // Both sides have changed twice meanwhile; ours stays.
+  scene.hosted[0].changed_owner = Tick{1};
+  scene.hosted[0].changed_owner_before = Tick{-30};
+  scene.remote[0].company.changes = Company::changes_max;
+  REQUIRE(scene.decide(*policy, Tick{2}).pulls.size() == 1);
+  scene.hosted[0].changed_owner_before = Tick{-100};
+  const auto decision = scene.decide(*policy, Tick{4});
+  REQUIRE(decision.leaving.empty());
+  REQUIRE(decision.pulls.size() == 1);
+}
+
+TEST_CASE("at a corner, too, what comes is waited for before all go to who has changed twice") {
+  Scene scene;
+  scene.map = PartitionMap({{-inf, -inf, 10, 0}, {10, -inf, inf, 0}, {-inf, 0, inf, inf}});
+  const auto policy = make_adaptive_policy(AuraTolerances{});
+  scene.hosted = {awake_at(0, 9.7, -0.3)};
+  scene.remote = {aura(1, 1, false, 10.3, -0.3), aura(2, 2, false, 10, 0.2)};
+  REQUIRE(scene.decide(*policy, Tick{0}).pulls.size() == 2);
+  // Its host has refused it, but may not do so again.
+  scene.remote[1].company.changes = Company::changes_max;
+  for (const std::int64_t tick : {2, 4, 6, 8}) {
+    INFO("tick " << tick);
+    const auto decision = scene.decide(*policy, Tick{tick});
+    REQUIRE(decision.leaving.empty());
+    REQUIRE(decision.pulls.size() == 2);
+  }
+  // Neither has come, nor will it.
+  const auto decision = scene.decide(*policy, Tick{10});
+  REQUIRE(decision.leaving.size() == 1);
+  REQUIRE(decision.leaving[0].to == RegionId{2});
+}
+
+TEST_CASE("what may have become part of what comes here is asked for too, not met halfway") {
+  // By themselves the second two belong to the other side: if nothing near is on its way here.
+  for (const double apart_m : {2.0, 10.0}) {
+    const bool near = apart_m < 5;
+    Scene scene;
+    const auto policy = make_adaptive_policy(AuraTolerances{});
+    scene.hosted = {awake_at(0, 9.6, 0), awake_at(1, 9.9, apart_m)};
+    scene.remote = {aura(2, 1, false, 10.1, 0)};
+    REQUIRE(scene.decide(*policy, Tick{0}).pulls.size() == 1);
+    scene.remote.push_back(aura(3, 1, false, 10.3, apart_m));
+    const auto decision = scene.decide(*policy, Tick{2});
+    REQUIRE(decision.leaving.empty() == near);
+    REQUIRE(decision.pulls.size() == 1);
+    REQUIRE(decision.pulls[0].bodies.size() == (near ? 2u : 1u));
+  }
+}
