@@ -262,7 +262,7 @@ bool Simulation::all_rest() {
 }
 
 void Simulation::judge_rest() {
-  RestOracle rest(map_, scenario_.world);
+  RestOracle rest(scenario_.world);
   rest.judge(now_, servers_, ownership_.changes_since(now_ - calm_ticks));
   rest.report(result_);
 }

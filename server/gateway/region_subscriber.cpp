@@ -22,7 +22,7 @@ std::vector<RegionId> region_ids(const std::vector<PeerAddress>& addresses) {
 
 HomeLines lines_of(const WorldDefinition& world) {
   const PartitionMap map = partition_of(world);
-  return HomeLines(map, RegionId{0}, HomeLines::move_in(world.mode, map));
+  return HomeLines(map, RegionId{0}, HomeLines::rule_in(world.mode, map));
 }
 
 PeerLinksOptions link_options(const WorldDefinition& world,
@@ -110,7 +110,9 @@ Status RegionSubscriber::on_status(RegionId from, const Frame& frame) {
                          wire_tick_max);
   auto outside = read_outside(*status);
   if (!outside) return outside.error();
-  lines_.hear(from, Tick{status->tick()}, {status->line_level(), status->next_line_level()});
+  auto lines = read_line_news(*status);
+  if (!lines) return lines.error();
+  lines_.hear(from, Tick{status->tick()}, *lines);
   RegionReport& report = reports_[from.value];
   report.bodies = status->bodies();
   report.awake = status->awake();

@@ -32,12 +32,13 @@ std::vector<ServerLoad> RegionServers::loads() const {
   std::vector<ServerLoad> loads(frames_.size());
   for (int r = 0; r < count_; ++r) {
     const PhysicsWorld& physics = servers().server(r).core().physics();
+    const PartitionMap& homes = servers().server(r).core().home_lines().map();
     ServerLoad& load = loads[static_cast<std::size_t>(r)];
     load.bodies = physics.size();
     load.awake = physics.awake_count();
     for (BodyId id : physics.ids()) {
       const WorldPosition at = physics.position(id);
-      if (map_.region_at(at.x, at.z).value != r) ++load.foreign;
+      if (homes.region_at(at.x, at.z).value != r) ++load.foreign;
     }
   }
   return loads;

@@ -43,7 +43,7 @@ RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation 
       hosted_bodies_(map_, self_, hosting_.statics()),
       awake_everywhere_(world.regions.size(), 0.0),
       load_levels_(world.regions.size(), self),
-      home_lines_(map_, self, HomeLines::move_in(world.mode, map_)),
+      home_lines_(map_, self, HomeLines::rule_in(world.mode, map_)),
       injected_(world.injectors.size(), 0),
       tolerances_(world.tolerances, self, world.regions.size()) {
   AUREOLE_CHECK(self.value < world.regions.size(), "a core is one of its world's regions");
@@ -188,12 +188,13 @@ Status RegionCore::receive(PeerId from, const Frame& frame) {
       if (!is_wire_tick(message->tick()))
         return Error::format("a region status of tick {}; expected at most {} from 0",
                              message->tick(), wire_tick_max);
+      const auto lines = read_line_news(*message);
+      if (!lines) return lines.error();
       peer.bodies = message->bodies();
       note_awake(from.as_region(), message->awake());
       load_levels_.hear(from.as_region(), Tick{message->tick()},
                         {message->level(), message->next_level()});
-      home_lines_.hear(from.as_region(), Tick{message->tick()},
-                       {message->line_level(), message->next_line_level()});
+      home_lines_.hear(from.as_region(), Tick{message->tick()}, *lines);
       return Ok{};
     }
     default:

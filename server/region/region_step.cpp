@@ -46,7 +46,7 @@ void RegionCore::step(Tick now, const ShellMeasurements& measured) {
   spawn(now);
   apply_blasts(now);
   players_.drive(now, has_room(1), player_output_);
-  ClosedBoundary closed(map_, closed_regions());
+  ClosedBoundary closed(home_lines_.map(), closed_regions());
   closed.before_step(hosting_.physics(), tick_s);
   hosting_.physics().step(tick_s);
   closed.after_step(hosting_.physics());
@@ -304,13 +304,16 @@ SharedBytes RegionCore::status_frame(Tick now, const ShellMeasurements& measured
   const RegionStatistics s = statistics();
   const LoadLevels::Told level =
       load_levels_.tell(now, awake_everywhere_[self_.value], static_cast<double>(largest_cluster_));
-  const LoadLevels::Told line_level = home_lines_.tell(now, awake_everywhere_[self_.value]);
+  const HomeLines::News lines = home_lines_.tell(now, awake_everywhere_[self_.value]);
   flatbuffers::FlatBufferBuilder builder(256);
   std::vector<wire::ToleranceMark> outside;
   for (const ToleranceEvent& e : tolerances_.outside())
     outside.emplace_back(e.tick.value, e.value, e.limit, e.peer.value,
                          static_cast<std::uint8_t>(e.kind));
   const auto outside_at = builder.CreateVectorOfStructs(outside);
+  const auto crowd_at = home_lines_.rule() == HomeLines::Rule::quiet_places
+                            ? builder.CreateVector(lines.crowd_below.encoded())
+                            : 0;
   return std::make_shared<const Bytes>(finish_frame(
       builder,
       wire::CreateRegionStatus(builder, now.value, static_cast<std::uint32_t>(s.bodies),
@@ -319,7 +322,8 @@ SharedBytes RegionCore::status_frame(Tick now, const ShellMeasurements& measured
                                measured.overruns, measured.skipped_ticks, s.removed_strays,
                                static_cast<std::uint32_t>(s.unacknowledged), recovering(),
                                outside_at, s.tolerance_events, s.struck_stand_ins, s.whole_looks,
-                               level.now, level.next, line_level.now, line_level.next),
+                               level.now, level.next, lines.level.now, lines.level.next,
+                               lines.level_below, crowd_at, lines.gain),
       FrameType::region_status));
 }
 
@@ -338,7 +342,7 @@ void RegionCore::publish(Tick now, const SharedBytes& update, const ShellMeasure
   SharedBytes status, sign_of_life;
   if (now.value % status_interval_ticks == 0) {
     note_awake(self_, hosting_.physics().awake_count());
-    home_lines_.note_awake(hosting_.physics().awake_count());
+    home_lines_.note_awake(hosting_.physics().awake());
     status = status_frame(now, measured);
   }
   for (auto& [id, peer] : peers_) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "server/base/check.h"
 
@@ -30,10 +31,12 @@ void PartitionLines::find_lines(double Rectangle::*min, double Rectangle::*max) 
   std::sort(places.begin(), places.end());
   places.erase(std::unique(places.begin(), places.end()), places.end());
   for (std::size_t i = 0; i < places.size(); ++i) {
-    Line line{min, max, places[i], shift_max_m, {}, {}};
-    if (i > 0) line.shift_max_m = std::min(line.shift_max_m, (places[i] - places[i - 1]) / 8);
-    if (i + 1 < places.size())
-      line.shift_max_m = std::min(line.shift_max_m, (places[i + 1] - places[i]) / 8);
+    double gap_m = std::numeric_limits<double>::infinity();
+    if (i > 0) gap_m = places[i] - places[i - 1];
+    if (i + 1 < places.size()) gap_m = std::min(gap_m, places[i + 1] - places[i]);
+    Line line{
+        min, max, places[i], std::min(shift_max_m, gap_m / 8), std::min(far_max_m, 0.3 * gap_m),
+        {},  {}};
     for (std::uint16_t k = 0; k < areas_.size(); ++k) {
       if (areas_[k].*max == line.at_m) line.below.push_back(RegionId{k});
       if (areas_[k].*min == line.at_m) line.above.push_back(RegionId{k});
@@ -65,6 +68,11 @@ std::vector<Rectangle> PartitionLines::areas(std::span<const double> shifts_m) c
     for (const RegionId region : line.above) moved[region.value].*line.min += shifts_m[i];
   }
   return moved;
+}
+
+double PartitionLines::beyond_m(std::size_t line, const WorldPosition& at) const {
+  const Line& l = lines_[line];
+  return (l.min == &Rectangle::min_x ? at.x : at.z) - l.at_m;
 }
 
 double PartitionLines::longest_shift_m() const {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/aura/partition/partition_map.h"
+#include "server/base/world_position.h"
 
 namespace aureole {
 
@@ -21,6 +22,8 @@ class PartitionLines {
   static constexpr double gain_m = 400;
   /// They move in steps of this (m).
   static constexpr double grain_m = 0.25;
+  /// See far_m().
+  static constexpr double far_max_m = 45;
 
   explicit PartitionLines(const PartitionMap& map);
 
@@ -33,15 +36,23 @@ class PartitionLines {
   std::vector<double> shifts_m(std::span<const double> loads) const;
   /// The areas of the map with its lines there; `shifts_m` has one for each line.
   std::vector<Rectangle> areas(std::span<const double> shifts_m) const;
-  /// No line lies further from its place than this (m).
+  /// shifts_m() moves no line further from its place than this (m).
   double longest_shift_m() const;
+
+  /// How far a line may be moved to where less happens (m): 45, and 0.3 of the way to the next one.
+  double far_m(std::size_t line) const { return lines_[line].far_m; }
+  /// How far a point lies from the line's place in the map, towards greater coordinates (m).
+  double beyond_m(std::size_t line, const WorldPosition& at) const;
+  /// Whose areas end at the line, and whose begin there; ascending.
+  std::span<const RegionId> below(std::size_t line) const { return lines_[line].below; }
+  std::span<const RegionId> above(std::size_t line) const { return lines_[line].above; }
 
  private:
   struct Line {
     double Rectangle::*min;  ///< Which side of an area it may be.
     double Rectangle::*max;
     double at_m = 0;
-    double shift_max_m = 0;
+    double shift_max_m = 0, far_m = 0;
     std::vector<RegionId> below, above;  ///< Whose areas end here, and whose begin.
   };
   void find_lines(double Rectangle::*min, double Rectangle::*max);

@@ -14,8 +14,8 @@ constexpr std::size_t told_max = 4;
 
 }  // namespace
 
-RestOracle::RestOracle(const PartitionMap& map, const WorldDefinition& world)
-    : map_(map), goes_home_(world.mode == MigrationMode::adaptive) {
+RestOracle::RestOracle(const WorldDefinition& world)
+    : goes_home_(world.mode == MigrationMode::adaptive) {
   for (const auto& prototype : world.prototypes)
     radii_.push_back(bounding_radius(prototype.body.shape));
 }
@@ -25,9 +25,11 @@ void RestOracle::gather(std::span<const SimulatedServer> servers) {
   for (const SimulatedServer& server : servers) {
     if (!server.runs()) continue;
     const PhysicsWorld& physics = server.core().physics();
+    const Rectangle& home = server.core().home_lines().map().area(server.self());
     for (BodyId id : physics.ids()) {
       if (id.kind() == BodyId::Kind::avatar) continue;
-      bodies_.push_back({id, server.self(), physics.position(id),
+      const WorldPosition at = physics.position(id);
+      bodies_.push_back({id, server.self(), at, home.distance(at.x, at.z),
                          radii_[physics.prototype(id).value], !physics.is_asleep(id)});
     }
   }
@@ -60,11 +62,10 @@ void RestOracle::judge(Tick now, std::span<const SimulatedServer> servers,
   for (const Body& b : bodies_) {
     awake_ += b.awake ? 1 : 0;
     left_out_ += b.left_out && !b.awake ? 1 : 0;
-    const double away_m = map_.area(b.owner).distance(b.at.x, b.at.z);
-    if (!goes_home_ || b.left_out || away_m <= away_m_max) continue;
+    if (!goes_home_ || b.left_out || b.away_m <= away_m_max) continue;
     violate(now,
             fmt::format("{} sleeps on r{}, {:.2f} m outside of its region, at ({:.2f}, {:.2f})",
-                        describe(b.id), b.owner.value, away_m, b.at.x, b.at.z));
+                        describe(b.id), b.owner.value, b.away_m, b.at.x, b.at.z));
   }
   for (const OwnerChange& change : late) {
     const auto it = std::find_if(bodies_.begin(), bodies_.end(),

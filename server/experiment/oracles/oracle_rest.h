@@ -1,5 +1,5 @@
 // Rule 5: after the faults and some calm everything sleeps on the server whose region it lies in,
-// and nothing changes its owner any more.
+// as the lines are then (home_lines.h), and nothing changes its owner any more.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "server/aura/partition/partition_map.h"
 #include "server/experiment/oracles/owner_changes.h"
 #include "server/experiment/seed_result.h"
 #include "server/experiment/simulated_server.h"
@@ -27,7 +26,7 @@ class RestOracle {
   /// What is so near to something awake may be held together with it (m, between surfaces).
   static constexpr double near_m = 2;
 
-  RestOracle(const PartitionMap& map, const WorldDefinition& world);
+  explicit RestOracle(const WorldDefinition& world);
 
   /// `late`: changes of owner in the last second.
   void judge(Tick now, std::span<const SimulatedServer> servers, std::span<const OwnerChange> late);
@@ -40,6 +39,7 @@ class RestOracle {
     BodyId id;
     RegionId owner;
     WorldPosition at;
+    double away_m = 0;  ///< Outside of its server's region.
     double radius_m = 0;
     bool awake = false, left_out = false;
   };
@@ -47,7 +47,6 @@ class RestOracle {
   void leave_out_what_stirs();
   void violate(Tick tick, std::string what);
 
-  const PartitionMap& map_;
   bool goes_home_;
   std::vector<double> radii_;  ///< Of the prototypes.
   std::vector<Body> bodies_;

@@ -27,27 +27,77 @@ constexpr std::int64_t lasting_ticks = 625;
 
 }  // namespace
 
-HomeLines::HomeLines(const PartitionMap& map, RegionId self, bool moves)
-    : map_(map), self_(self), lines_(map), levels_(map.size(), self, step), moves_(moves) {}
+HomeLines::HomeLines(const PartitionMap& map, RegionId self, Rule rule)
+    : map_(map),
+      self_(self),
+      lines_(map),
+      levels_(map.size(), self, step),
+      rule_(rule),
+      keeper_(lines_, map.size(), self) {}
 
-void HomeLines::note_awake(std::size_t awake) {
+void HomeLines::note_awake(std::span<const NewBody> awake) {
+  awake_now_ = awake.size();
   const double share = std::max(1.0 / static_cast<double>(++looks_), 1.0 / looks_in_mind);
-  awake_ += (static_cast<double>(awake) - awake_) * share;
+  awake_ += (static_cast<double>(awake_now_) - awake_) * share;
+  if (rule_ == Rule::quiet_places) keeper_.note_awake(awake);
 }
 
-LoadLevels::Told HomeLines::tell(Tick now, double lately) {
-  if (!moves_) return {};
+/// Levels of lines: 0 is the place in the map, then steps up and down in turns.
+double HomeLines::place_m(std::size_t line, std::uint16_t level) const {
+  const double steps = level % 2 == 0 ? level / 2 : -(level + 1) / 2;
+  const double far_m = lines_.far_m(line);
+  return std::clamp(steps * PartitionLines::grain_m, -far_m, far_m);
+}
+
+/// Who has started anew does not know where its line lies before somebody has told it; if nobody
+/// has within three terms nobody knows.
+LoadLevels::Told HomeLines::tell_place(Tick now) {
+  if (!keeper_.line()) return levels_.tell(now, [](std::uint16_t) { return std::uint16_t{0}; });
+  if (!first_told_) first_told_ = now;
+  if (LoadLevels::term_of(now) > 0 && !levels_.has_heard(self_) &&
+      now - *first_told_ < 3 * LoadLevels::term_ticks)
+    return {LoadLevels::unknown, LoadLevels::unknown};
+  return levels_.tell(now, [&](std::uint16_t before) {
+    // Who does not hear of everybody may not be heard by everybody.
+    if (!levels_.knows_all(now)) return before;
+    const double next_m = keeper_.next_m(place_m(*keeper_.line(), before));
+    const long steps = std::lround(next_m / PartitionLines::grain_m);
+    return static_cast<std::uint16_t>(steps >= 0 ? 2 * steps : -2 * steps - 1);
+  });
+}
+
+HomeLines::News HomeLines::tell(Tick now, double lately) {
+  if (rule_ == Rule::still) return {};
+  if (rule_ == Rule::quiet_places) {
+    News news{.level = tell_place(now)};
+    news.crowd_below = keeper_.crowd_below();
+    news.gain = keeper_.gain();
+    news.awake = static_cast<double>(awake_now_);
+    if (const auto below = keeper_.keeper_below(); below && levels_.has_heard(*below))
+      news.level_below = levels_.in_force(now)[below->value];
+    keeper_.hear(self_, news.awake, news.gain, news.crowd_below);
+    return news;
+  }
   if (counted_ && !levels_.counts(lately)) calm_ = now;
   told_ = calm_ && now - *calm_ < lasting_ticks ? 0 : std::min(awake_, calm_factor * lately);
   counted_ = counted_ || levels_.counts(told_);
   LoadLevels::Told told = levels_.tell(now, told_);
   // Others know better than a server that has just started at which level it is.
   if (!levels_.knows(self_, now)) told.now = LoadLevels::unknown;
-  return told;
+  return {.level = told};
 }
 
-void HomeLines::hear(RegionId from, Tick told_at, LoadLevels::Told told) {
-  if (moves_) levels_.hear(from, told_at, told);
+void HomeLines::hear(RegionId from, Tick told_at, const News& told) {
+  if (rule_ == Rule::still) return;
+  levels_.hear(from, told_at, told.level);
+  if (rule_ != Rule::quiet_places) return;
+  keeper_.hear(from, told.awake, told.gain, told.crowd_below);
+  // As good as heard of a term ago: it may have moved since.
+  const std::int64_t term = LoadLevels::term_of(told_at);
+  if (const auto keeper = keeper_.keeper_below_of(from);
+      keeper && told.level_below != LoadLevels::unknown && term > 0 && !levels_.has_heard(*keeper))
+    levels_.hear(*keeper, Tick{(term - 1) * LoadLevels::term_ticks},
+                 {told.level_below, LoadLevels::unknown});
 }
 
 /// Of terms that have been left out nobody here knows what they asked for; before the first one
@@ -73,22 +123,44 @@ bool HomeLines::look_up(Tick as_of) {
   if (std::equal(levels.begin(), levels.end(), levels_now_.begin(), levels_now_.end()))
     return false;
   levels_now_.assign(levels.begin(), levels.end());
+  if (rule_ == Rule::quiet_places) {
+    for (std::size_t i = 0; i < lines_.count(); ++i)
+      wanted.shifts_m[i] = place_m(i, levels[lines_.below(i).front().value]);
+    // Lines go by steps: of terms that nothing is known of what is known now says more than
+    // nothing.
+    for (Wanted& before : wanted_)
+      if (!before.sure) before.shifts_m = wanted.shifts_m;
+    return true;
+  }
   std::vector<double> loads;
   for (const std::uint16_t level : levels) loads.push_back(std::pow(step, level));
   wanted.shifts_m = lines_.shifts_m(loads);
   return true;
 }
 
+/// As far as two maps may differ.
+double HomeLines::margin_m(bool sure) const {
+  if (sure) return 0;
+  if (rule_ == Rule::even_loads) return 2 * lines_.longest_shift_m();
+  double longest_m = 0;
+  bool heard = true;
+  for (std::size_t i = 0; i < lines_.count(); ++i) {
+    longest_m = std::max(longest_m, lines_.far_m(i));
+    heard &= levels_.has_heard(lines_.below(i).front());
+  }
+  // Who does not hear of everybody does not move its line: it goes two steps at most before that.
+  return 2 * (heard ? std::min(2 * LineKeeper::step_m, longest_m) : longest_m);
+}
+
 bool HomeLines::move(Tick now) {
-  if (!moves_) return false;
+  if (rule_ == Rule::still) return false;
   const Tick as_of = now - after_order_ticks;
   if (const std::int64_t term = LoadLevels::term_of(as_of); term != term_) begin_term(term);
   const bool others_in_force = look_up(as_of);
   const bool sure =
       std::all_of(wanted_.begin(), wanted_.end(), [](const Wanted& wanted) { return wanted.sure; });
-  // Two maps differ by no more than both shifts.
-  const double margin_m = sure ? 0 : 2 * lines_.longest_shift_m();
-  const bool surer = std::exchange(margin_m_, margin_m) != margin_m;
+  const double margin = margin_m(sure);
+  const bool surer = std::exchange(margin_m_, margin) != margin;
   if (!others_in_force) return surer;
   std::vector<double> shifts_m(lines_.count(), 0.0);
   for (const Wanted& wanted : wanted_)
@@ -103,12 +175,29 @@ bool HomeLines::move(Tick now) {
 }
 
 bool HomeLines::settled() const {
+  if (rule_ == Rule::quiet_places)
+    return std::all_of(wanted_.begin(), wanted_.end(), [&](const Wanted& wanted) {
+      return wanted.shifts_m == wanted_.front().shifts_m;
+    });
   const auto asks_nothing = [](const Wanted& wanted) {
     return std::all_of(wanted.shifts_m.begin(), wanted.shifts_m.end(),
                        [](double shift_m) { return shift_m == 0; });
   };
   return !levels_.counts(told_) && levels_.none_loaded() &&
          std::all_of(wanted_.begin(), wanted_.end(), asks_nothing);
+}
+
+Result<HomeLines::News> read_line_news(const wire::RegionStatus& status) {
+  HomeLines::News news{.level = {status.line_level(), status.next_line_level()},
+                       .level_below = status.line_level_below()};
+  if (const auto* bytes = status.crowd_below()) {
+    auto crowd = Crowd::decoded({bytes->data(), bytes->size()});
+    if (!crowd) return crowd.error();
+    news.crowd_below = *crowd;
+  }
+  news.gain = status.line_gain();
+  news.awake = status.awake();
+  return news;
 }
 
 }  // namespace aureole

@@ -6,44 +6,68 @@
 #include <optional>
 #include <vector>
 
+#include "protocol/wire.h"
 #include "server/aura/migration_mode.h"
 #include "server/aura/partition/partition_lines.h"
 #include "server/aura/partition/partition_map.h"
+#include "server/base/result.h"
 #include "server/base/tick.h"
+#include "server/region/loads/line_keeper.h"
 #include "server/region/loads/load_levels.h"
 
 namespace aureole {
 
-/// The lines between regions follow the loads of the last quarter of a minute, so that who has more
-/// to do has less ground. Bodies are born, players come and recovery takes place by the world's own
-/// map; where a body is at home, and who decides about what meets, goes by the lines in force.
+/// Bodies are born, players come and recovery takes place by the world's own map; where a body is
+/// at home, and who decides about what meets, goes by the lines in force.
 ///
-/// Loads travel as levels (load_levels.h), here 0.25 % apart. The lines of a term are the mean of
-/// those that the levels of the last four terms ask for, so that no more is given away at once than
-/// a quarter of the way. They depend on levels and on nothing else: whoever has heard of all of
-/// them has the same lines at the same tick. Who has not knows it, and keeps a margin (margin_m()):
-/// of two servers that disagree at least one tells the other of everything that either may have at
-/// its own home.
+/// Around corners lines follow the loads of the last quarter of a minute, so that who has more to
+/// do has less ground (PartitionLines::shifts_m()). In a row of regions each goes to where little
+/// happens (line_keeper.h), says its keeper.
+///
+/// What they depend on travels as levels (load_levels.h): loads, 0.25 % apart, or the places of
+/// lines. The lines of a term are the mean of those that the levels of the last four terms ask for,
+/// so that no more is given away at once than a quarter of the way. They depend on levels and on
+/// nothing else: whoever has heard of all of them has the same lines at the same tick. Who has not
+/// knows it, and keeps a margin (margin_m()): of two servers that disagree at least one tells the
+/// other of everything that either may have at its own home.
 class HomeLines {
  public:
-  /// `self`: of whose load tell() tells; for who only hears, any. `moves`: false keeps them where
-  /// the map has them, whatever is told.
-  HomeLines(const PartitionMap& map, RegionId self, bool moves);
-  /// Whether they move in such a world: two that meet nowhere else shift the line between them for
-  /// what they contest (load_balance.h).
-  static bool move_in(MigrationMode mode, const PartitionMap& map) {
-    return mode == MigrationMode::adaptive && map.has_corners();
+  enum class Rule : std::uint8_t {
+    still,         ///< They stay where the map has them, whatever is told.
+    even_loads,    ///< Who has more to do has less ground.
+    quiet_places,  ///< They go where little happens.
+  };
+  static Rule rule_in(MigrationMode mode, const PartitionMap& map) {
+    if (mode != MigrationMode::adaptive) return Rule::still;
+    return map.has_corners() ? Rule::even_loads : Rule::quiet_places;
   }
 
-  /// Loads below this are all alike (bodies awake, > 0); see LoadLevels::awake_min.
-  void level_from(double awake) { levels_.level_from(awake); }
+  /// `self`: of whose load tell() tells; for who only hears, any.
+  HomeLines(const PartitionMap& map, RegionId self, Rule rule);
+  Rule rule() const { return rule_; }
 
-  /// At every status of ours: how many bodies are awake here.
-  void note_awake(std::size_t awake);
+  /// Loads below this are all alike (bodies awake, > 0); see LoadLevels::awake_min and LineKeeper.
+  void level_from(double awake) {
+    levels_.level_from(awake);
+    keeper_.look_from(awake, awake < LoadLevels::awake_min / 2);
+  }
+
+  /// What a status says of lines.
+  struct News {
+    LoadLevels::Told level;
+    /// Only where lines go to quiet places: the level of the line that the region begins at, as far
+    /// as is known there; who is awake near it; and what the line that it keeps will still bring.
+    std::uint16_t level_below = LoadLevels::unknown;
+    Crowd crowd_below{};
+    std::int32_t gain = 0;
+    double awake = 0;  ///< Bodies, here and now.
+  };
+  /// At every status of ours: who is awake here.
+  void note_awake(std::span<const NewBody> awake);
   /// What our next status says. `lately`: the mean of the last second, in bodies awake: who has
   /// calmed down has no load at once, and for some seconds, whatever wakes.
-  LoadLevels::Told tell(Tick now, double lately);
-  void hear(RegionId from, Tick told_at, LoadLevels::Told told);
+  News tell(Tick now, double lately);
+  void hear(RegionId from, Tick told_at, const News& told);
 
   /// Moves the lines to where they are at this tick; whether the map, or the margin, is another one
   /// than before.
@@ -63,6 +87,9 @@ class HomeLines {
     bool sure = false;  ///< All levels have been heard.
   };
   static constexpr std::size_t terms_in_mind = 4;
+  LoadLevels::Told tell_place(Tick now);
+  double place_m(std::size_t line, std::uint16_t level) const;
+  double margin_m(bool sure) const;
   void begin_term(std::int64_t term);
   bool look_up(Tick as_of);
 
@@ -70,7 +97,10 @@ class HomeLines {
   RegionId self_;
   PartitionLines lines_;
   LoadLevels levels_;
-  bool moves_;
+  Rule rule_;
+  LineKeeper keeper_;
+  std::size_t awake_now_ = 0;
+  std::optional<Tick> first_told_;
   double margin_m_ = 0;
   double awake_ = 0;          ///< Smoothed.
   double told_ = 0;           ///< The load that our last status was about.
@@ -81,5 +111,8 @@ class HomeLines {
   std::array<Wanted, terms_in_mind> wanted_;  ///< Of that term first, then of those before.
   std::vector<std::uint16_t> levels_now_;     ///< What the first of them is for.
 };
+
+/// What a status that has been verified says of lines. Errors: a crowd of another size.
+Result<HomeLines::News> read_line_news(const wire::RegionStatus& status);
 
 }  // namespace aureole

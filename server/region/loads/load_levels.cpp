@@ -40,11 +40,16 @@ bool LoadLevels::is_to_choose(Tick now) const {
 }
 
 LoadLevels::Told LoadLevels::tell(Tick now, double awake, double largest) {
+  return tell(now, [&](std::uint16_t before) { return level_for(awake, largest, before); });
+}
+
+LoadLevels::Told LoadLevels::tell(
+    Tick now, const std::function<std::uint16_t(std::uint16_t before)>& choose) {
   const std::int64_t term = term_of(now);
   Known& ours = known_[self_.value];
   Told told{level_in(ours, term), unknown};
   if (now.value % term_ticks < term_ticks / 2) return told;
-  if (is_to_choose(now)) note(ours, {term + 1, level_for(awake, largest, told.now)});
+  if (is_to_choose(now)) note(ours, {term + 1, choose(told.now)});
   told.next = ours.front().level;
   return told;
 }

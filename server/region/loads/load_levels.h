@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -46,6 +47,9 @@ class LoadLevels {
   /// What ours says; chooses our next level when the term is half over. `awake`: bodies, smoothed.
   /// `largest`: how many of them hang together, at most: what would go elsewhere as one.
   Told tell(Tick now, double awake, double largest = 0);
+  /// The same for levels that stand for something else: `choose` turns the one before into the
+  /// next.
+  Told tell(Tick now, const std::function<std::uint16_t(std::uint16_t before)>& choose);
   /// Whether the next tell() chooses.
   bool is_to_choose(Tick now) const;
   void hear(RegionId from, Tick told_at, Told told);
@@ -53,6 +57,8 @@ class LoadLevels {
   bool knows(RegionId region, Tick now) const;
   /// Of all servers.
   bool knows_all(Tick now) const;
+  /// Whether anything has been told of a server, or chosen here, since the first term.
+  bool has_heard(RegionId region) const { return known_[region.value].front().term > 0; }
   /// Whether no server has told, or chosen here, of a load that counts, for as long as is kept.
   bool none_loaded() const;
   /// Whether so many bodies awake would be at a level of their own.

@@ -28,7 +28,8 @@ struct Servers {
   std::vector<std::size_t> awake{1000, 500, 1000, 500};
 
   Servers() {
-    for (std::uint16_t k = 0; k < 4; ++k) all.emplace_back(corner(), RegionId{k}, true);
+    for (std::uint16_t k = 0; k < 4; ++k)
+      all.emplace_back(corner(), RegionId{k}, HomeLines::Rule::even_loads);
   }
   /// `deaf`: does not hear `silent`.
   void run(std::int64_t from, std::int64_t to, std::optional<RegionId> deaf = {},
@@ -40,8 +41,8 @@ struct Servers {
   }
   void tell(Tick now, std::optional<RegionId> deaf, RegionId silent) {
     for (std::uint16_t k = 0; k < 4; ++k) {
-      all[k].note_awake(awake[k]);
-      const LoadLevels::Told told = all[k].tell(now, static_cast<double>(awake[k]));
+      all[k].note_awake(std::vector<NewBody>(awake[k]));
+      const HomeLines::News told = all[k].tell(now, static_cast<double>(awake[k]));
       for (std::uint16_t other = 0; other < 4; ++other)
         if (other != k && !(deaf == RegionId{other} && silent == RegionId{k}))
           all[other].hear(RegionId{k}, now, told);
@@ -97,9 +98,9 @@ TEST_CASE("who never hears of a term keeps the margin for as long as lines depen
 TEST_CASE("who has just started says of no level that it is in force, and others know it") {
   Servers servers;
   servers.run(0, 6 * term + 8);
-  servers.all[left.value] = HomeLines(corner(), left, true);
+  servers.all[left.value] = HomeLines(corner(), left, HomeLines::Rule::even_loads);
   HomeLines& anew = servers.all[left.value];
-  CHECK(anew.tell(Tick{6 * term + 9}, 1000).now == LoadLevels::unknown);
+  CHECK(anew.tell(Tick{6 * term + 9}, 1000).level.now == LoadLevels::unknown);
   servers.run(6 * term + 9, 7 * term + later);
   CHECK(servers.line_of(right) == -12);
   CHECK(servers.line_of(last) == -12);
@@ -161,27 +162,27 @@ TEST_CASE("lines are not settled while something is known that will move them") 
   servers.run(0, 1);
   CHECK_FALSE(lines.settled());  // There is a load, though no level has been chosen yet.
   servers.awake = {100, 100, 100, 100};
-  for (HomeLines& each : servers.all) each = HomeLines(corner(), left, true);
-  lines.hear(right, Tick{half}, {0, 300});
+  for (HomeLines& each : servers.all) each = HomeLines(corner(), left, HomeLines::Rule::even_loads);
+  lines.hear(right, Tick{half}, {.level = {0, 300}});
   CHECK_FALSE(lines.settled());  // Its neighbour will have.
 }
 
 TEST_CASE("lines that do not move tell nothing and fear nothing") {
-  HomeLines lines(corner(), left, false);
-  lines.note_awake(5000);
-  CHECK(lines.tell(Tick{half}, 5000) == LoadLevels::Told{});
-  lines.hear(right, Tick{half}, {0, 9000});
+  HomeLines lines(corner(), left, HomeLines::Rule::still);
+  lines.note_awake(std::vector<NewBody>(5000));
+  CHECK(lines.tell(Tick{half}, 5000).level == LoadLevels::Told{});
+  lines.hear(right, Tick{half}, {.level = {0, 9000}});
   CHECK_FALSE(lines.move(Tick{10 * term}));
   CHECK(lines.margin_m() == 0);
   CHECK(lines.map().area(left) == corner().area(left));
 }
 
 TEST_CASE("whatever levels come, lines lie within their bounds") {
-  HomeLines lines(corner(), left, true);
+  HomeLines lines(corner(), left, HomeLines::Rule::even_loads);
   for (const int level : {0, 1, 32'767, 65'534, 65'535})
     for (const std::int64_t tick : {0L, 64L, 1'000'000'000L}) {
       const auto told = static_cast<std::uint16_t>(level);
-      lines.hear(right, Tick{tick}, {told, told});
+      lines.hear(right, Tick{tick}, {.level = {told, told}});
       lines.move(Tick{tick});
       CHECK(std::abs(lines.map().area(left).max_x) <= 12);
     }

@@ -1,0 +1,142 @@
+// Lines of a row of regions: the same for all who have heard, whoever starts anew in between.
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "server/region/loads/home_lines.h"
+#include "tests/support/catch.h"
+#include "tests/support/region_cluster.h"
+
+using namespace aureole;
+
+namespace {
+
+constexpr std::int64_t term = LoadLevels::term_ticks, half = term / 2;
+/// Lines follow levels half a term later.
+constexpr std::int64_t later = half;
+constexpr RegionId first{0}, second{1}, third{2};
+
+PartitionMap row() {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  return PartitionMap({{-inf, -inf, -75, inf}, {-75, -inf, 75, inf}, {75, -inf, inf, inf}});
+}
+
+/// Three servers that tell each other at every sixteenth tick; between the first two a crowd.
+struct Servers {
+  std::vector<HomeLines> all;
+  std::vector<double> places{-75, 0, 150};  ///< Of most that is awake on each.
+
+  Servers() {
+    for (std::uint16_t k = 0; k < 3; ++k) all.push_back(made(RegionId{k}));
+  }
+  static HomeLines made(RegionId self) {
+    HomeLines lines(row(), self, HomeLines::Rule::quiet_places);
+    lines.level_from(8);
+    return lines;
+  }
+  std::vector<NewBody> awake(std::uint16_t k) const {
+    std::vector<NewBody> bodies(k == 0 ? 60 : 100);
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      bodies[i].state.position = {k < 2 && i < 20 ? -75.0 + (k == 0 ? -4 : 8) : -200.0 + 200 * k, 1,
+                                  0};
+    return bodies;
+  }
+  /// `deaf`: hears nobody, and nobody hears it.
+  void run(std::int64_t from, std::int64_t to, std::optional<RegionId> deaf = {}) {
+    for (std::int64_t tick = from; tick < to; ++tick) {
+      for (HomeLines& lines : all) lines.move(Tick{tick});
+      if (tick % 16 == 0) tell(Tick{tick}, deaf);
+    }
+  }
+  void tell(Tick now, std::optional<RegionId> deaf) {
+    for (std::uint16_t k = 0; k < 3; ++k) {
+      all[k].note_awake(awake(k));
+      const HomeLines::News told = all[k].tell(now, 0);
+      for (std::uint16_t other = 0; other < 3; ++other)
+        if (other != k && deaf != RegionId{other} && deaf != RegionId{k})
+          all[other].hear(RegionId{k}, now, told);
+    }
+  }
+  double line_m(RegionId seen_by) const { return all[seen_by.value].map().area(first).max_x + 75; }
+};
+
+}  // namespace
+
+TEST_CASE("a line goes to a quiet place, by a step in a term, for all servers at the same tick") {
+  Servers servers;
+  double before = 0;
+  for (std::int64_t tick = 0; tick < 12 * term; ++tick) {
+    servers.run(tick, tick + 1);
+    const double line_m = servers.line_m(first);
+    for (const RegionId region : {second, third}) {
+      REQUIRE(servers.line_m(region) == line_m);
+      REQUIRE(servers.all[region.value].margin_m() == 0);
+    }
+    REQUIRE(line_m >= before);
+    REQUIRE(line_m - before <= LineKeeper::step_m);
+    before = line_m;
+  }
+  CHECK(before == 20);  // The nearest place that has nobody within 8 m.
+  CHECK(servers.all[0].settled());
+  // The other line has nobody near it.
+  CHECK(servers.all[0].map().area(second).max_x == 75);
+}
+
+TEST_CASE("a line stays where it is while its keeper does not hear of everybody") {
+  Servers servers;
+  servers.run(0, half + 32);
+  const double there_m = servers.line_m(first);
+  servers.run(half + 32, 8 * term, third);
+  // What had been told before is kept; who was not there knows that it may have missed something.
+  CHECK(std::abs(servers.line_m(third) - servers.line_m(first)) <= 2 * LineKeeper::step_m);
+  CHECK(servers.line_m(first) - there_m <= 2 * LineKeeper::step_m);
+  CHECK(servers.line_m(first) < 20);
+  CHECK(servers.all[third.value].margin_m() == 4 * LineKeeper::step_m);
+  servers.run(8 * term, 20 * term);
+  CHECK(servers.line_m(third) == 20);
+  CHECK(servers.all[third.value].margin_m() == 0);
+}
+
+TEST_CASE("who starts anew is told where its line lies, and tells nobody else before") {
+  Servers servers;
+  servers.run(0, 12 * term);
+  REQUIRE(servers.line_m(second) == 20);
+  servers.all[first.value] = Servers::made(first);
+  servers.run(12 * term, 12 * term + 1);
+  // It knows nothing of what others know: nothing is told of where the line is, and all is feared.
+  CHECK(servers.all[first.value].margin_m() == 90);
+  for (std::int64_t tick = 12 * term + 1; tick < 20 * term; ++tick) {
+    servers.run(tick, tick + 1);
+    REQUIRE(servers.line_m(second) == 20);
+    REQUIRE(servers.line_m(third) == 20);
+  }
+  CHECK(servers.line_m(first) == 20);
+  CHECK(servers.all[first.value].margin_m() == 0);
+}
+
+TEST_CASE("where nobody knows any more where a line was it is where the map has it") {
+  Servers servers;
+  servers.run(0, 12 * term);
+  for (const RegionId region : {first, second, third})
+    servers.all[region.value] = Servers::made(region);
+  servers.run(12 * term, 14 * term);
+  CHECK(servers.line_m(first) == 0);
+  CHECK(servers.line_m(third) == 0);
+  servers.run(14 * term, 30 * term);
+  CHECK(servers.line_m(first) == 20);
+  CHECK(servers.line_m(third) == 20);
+  CHECK(servers.all[first.value].margin_m() == 0);
+}
+
+TEST_CASE("whatever levels come, lines in a row lie within their bounds") {
+  HomeLines lines = Servers::made(third);
+  for (const int level : {0, 1, 2, 360, 32'767, 65'534, 65'535})
+    for (const std::int64_t tick : {0L, 64L, 1'000'000'000L}) {
+      const auto told = static_cast<std::uint16_t>(level);
+      lines.hear(first, Tick{tick}, {.level = {told, told}, .level_below = told});
+      lines.hear(second, Tick{tick}, {.level = {told, told}, .level_below = told, .gain = 1 << 30});
+      lines.move(Tick{tick});
+      CHECK(std::abs(lines.map().area(first).max_x + 75) <= 45);
+      CHECK(std::abs(lines.map().area(second).max_x - 75) <= 45);
+    }
+}
