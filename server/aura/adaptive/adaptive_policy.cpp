@@ -166,7 +166,8 @@ class AdaptivePolicy final : public MigrationPolicy {
     const double reach_m = std::max(box.half.x(), box.half.z());
     if (s.map.has_corners() || !s.map.area(s.self).contains(centre.x, centre.z))
       return audience_of(s.map, s.self, centre, audience_room * reach_m + s.map_margin_m);
-    RegionSet told = audience_at_home(s.map, s.self, centre, home_audience_room * reach_m);
+    RegionSet told =
+        audience_at_home(s.map, s.self, centre, home_audience_room * reach_m + s.map_margin_m);
     contests_.neighbourhood().add_others_near(box, home_audience_m, told);
     return told;
   }

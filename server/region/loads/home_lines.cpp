@@ -33,7 +33,15 @@ HomeLines::HomeLines(const PartitionMap& map, RegionId self, Rule rule)
       lines_(map),
       levels_(map.size(), self, step),
       rule_(rule),
-      keeper_(lines_, map.size(), self) {}
+      keeper_(lines_, map.size(), self) {
+  const std::vector<RegionId>& neighbours = map.neighbours(self);
+  const auto is_near = [&](RegionId region) {
+    return region == self || std::binary_search(neighbours.begin(), neighbours.end(), region);
+  };
+  for (std::size_t i = 0; i < lines_.count(); ++i)
+    if (is_near(lines_.below(i).front()) || is_near(lines_.above(i).front()))
+      keepers_near_.push_back(lines_.below(i).front());
+}
 
 void HomeLines::note_awake(std::span<const NewBody> awake) {
   awake_now_ = awake.size();
@@ -115,10 +123,18 @@ void HomeLines::begin_term(std::int64_t term) {
   levels_now_.clear();
 }
 
+/// Whether all is known that our region's edges and its neighbours' depend on: in a row the lines
+/// there, around a corner everybody's loads.
+bool HomeLines::knows_near(Tick as_of) const {
+  if (rule_ == Rule::even_loads) return levels_.knows_all(as_of);
+  return std::all_of(keepers_near_.begin(), keepers_near_.end(),
+                     [&](RegionId keeper) { return levels_.knows(keeper, as_of); });
+}
+
 /// Whether others are in force than at the last look.
 bool HomeLines::look_up(Tick as_of) {
   Wanted& wanted = wanted_.front();
-  wanted.sure = levels_.knows_all(as_of);
+  wanted.sure = knows_near(as_of);
   const std::span<const std::uint16_t> levels = levels_.in_force(as_of);
   if (std::equal(levels.begin(), levels.end(), levels_now_.begin(), levels_now_.end()))
     return false;
@@ -144,10 +160,8 @@ double HomeLines::margin_m(bool sure) const {
   if (rule_ == Rule::even_loads) return 2 * lines_.longest_shift_m();
   double longest_m = 0;
   bool heard = true;
-  for (std::size_t i = 0; i < lines_.count(); ++i) {
-    longest_m = std::max(longest_m, lines_.far_m(i));
-    heard &= levels_.has_heard(lines_.below(i).front());
-  }
+  for (std::size_t i = 0; i < lines_.count(); ++i) longest_m = std::max(longest_m, lines_.far_m(i));
+  for (const RegionId keeper : keepers_near_) heard &= levels_.has_heard(keeper);
   // Who does not hear of everybody does not move its line: it goes two steps at most before that.
   return 2 * (heard ? std::min(2 * LineKeeper::step_m, longest_m) : longest_m);
 }

@@ -76,20 +76,21 @@ class HomeLines {
   /// How far others' lines may be from ours, as of the last move() (m): 0, unless we have not heard
   /// of a level that the lines in force depend on.
   double margin_m() const { return margin_m_; }
-  /// Whether lines are where the world has them, and stay there unless somebody gets more to do:
-  /// nothing that is known here moves them.
+  /// Whether lines stay where they are unless somebody gets more to do: nothing that is known here
+  /// moves them. Around corners that is where the map has them, in a row wherever they are.
   bool settled() const;
 
  private:
   /// What the levels of a term ask for.
   struct Wanted {
     std::vector<double> shifts_m;
-    bool sure = false;  ///< All levels have been heard.
+    bool sure = false;  ///< All levels have been heard that matter here.
   };
   static constexpr std::size_t terms_in_mind = 4;
   LoadLevels::Told tell_place(Tick now);
   double place_m(std::size_t line, std::uint16_t level) const;
   double margin_m(bool sure) const;
+  bool knows_near(Tick as_of) const;
   void begin_term(std::int64_t term);
   bool look_up(Tick as_of);
 
@@ -99,6 +100,7 @@ class HomeLines {
   LoadLevels levels_;
   Rule rule_;
   LineKeeper keeper_;
+  std::vector<RegionId> keepers_near_;  ///< Of the lines of our region and of its neighbours.
   std::size_t awake_now_ = 0;
   std::optional<Tick> first_told_;
   double margin_m_ = 0;

@@ -92,7 +92,7 @@ class LineKeeper {
   /// Where the line is to lie a term from now, if it lies here: a step on its way.
   double next_m(double here_m);
   /// A line moves no further than this in a term (m).
-  static constexpr double step_m = 9;
+  static constexpr double step_m = 12;
 
  private:
   struct Load {

@@ -176,6 +176,17 @@ TEST_CASE("what lies at home is told to those it reaches, what lies abroad to al
   REQUIRE(told_of(scene.decide(), name(0)) == regions({2, 3}));
 }
 
+TEST_CASE("in a row, too, who does not know where others' lines are tells those who may be reached") {
+  Scene scene;
+  const auto column = [](double from, double to) { return Rectangle{from, -inf, to, inf}; };
+  scene.map = PartitionMap({column(-inf, 0), column(0, 100), column(100, inf)});
+  scene.self = 1;
+  scene.hosted = {asleep_at(0, 95)};
+  REQUIRE(scene.decide().projected.empty());
+  scene.map_margin_m = 12;
+  REQUIRE(told_of(scene.decide(), name(0)) == regions({2}));
+}
+
 TEST_CASE("what is far inside its region concerns nobody") {
   Scene scene;
   scene.hosted = {asleep_at(0, 5), awake_at(1, 2)};

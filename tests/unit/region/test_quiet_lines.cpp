@@ -1,4 +1,5 @@
 // Lines of a row of regions: the same for all who have heard, whoever starts anew in between.
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -37,8 +38,11 @@ struct Servers {
   std::vector<NewBody> awake(std::uint16_t k) const {
     std::vector<NewBody> bodies(k == 0 ? 60 : 100);
     for (std::size_t i = 0; i < bodies.size(); ++i)
-      bodies[i].state.position = {k < 2 && i < 20 ? -75.0 + (k == 0 ? -4 : 8) : -200.0 + 200 * k, 1,
-                                  0};
+      bodies[i].state.position = {k < 2 && i < 20 ? -75.0 + (k == 0   ? -4
+                                                             : i < 10 ? 8
+                                                                      : 20)
+                                                  : -200.0 + 200 * k,
+                                  1, 0};
     return bodies;
   }
   /// `deaf`: hears nobody, and nobody hears it.
@@ -76,7 +80,7 @@ TEST_CASE("a line goes to a quiet place, by a step in a term, for all servers at
     REQUIRE(line_m - before <= LineKeeper::step_m);
     before = line_m;
   }
-  CHECK(before == 20);  // The nearest place that has nobody within 8 m.
+  CHECK(before == 32);  // The nearest place that has nobody within 8 m.
   CHECK(servers.all[0].settled());
   // The other line has nobody near it.
   CHECK(servers.all[0].map().area(second).max_x == 75);
@@ -90,27 +94,27 @@ TEST_CASE("a line stays where it is while its keeper does not hear of everybody"
   // What had been told before is kept; who was not there knows that it may have missed something.
   CHECK(std::abs(servers.line_m(third) - servers.line_m(first)) <= 2 * LineKeeper::step_m);
   CHECK(servers.line_m(first) - there_m <= 2 * LineKeeper::step_m);
-  CHECK(servers.line_m(first) < 20);
+  CHECK(servers.line_m(first) < 32);
   CHECK(servers.all[third.value].margin_m() == 4 * LineKeeper::step_m);
   servers.run(8 * term, 20 * term);
-  CHECK(servers.line_m(third) == 20);
+  CHECK(servers.line_m(third) == 32);
   CHECK(servers.all[third.value].margin_m() == 0);
 }
 
 TEST_CASE("who starts anew is told where its line lies, and tells nobody else before") {
   Servers servers;
   servers.run(0, 12 * term);
-  REQUIRE(servers.line_m(second) == 20);
+  REQUIRE(servers.line_m(second) == 32);
   servers.all[first.value] = Servers::made(first);
   servers.run(12 * term, 12 * term + 1);
   // It knows nothing of what others know: nothing is told of where the line is, and all is feared.
   CHECK(servers.all[first.value].margin_m() == 90);
   for (std::int64_t tick = 12 * term + 1; tick < 20 * term; ++tick) {
     servers.run(tick, tick + 1);
-    REQUIRE(servers.line_m(second) == 20);
-    REQUIRE(servers.line_m(third) == 20);
+    REQUIRE(servers.line_m(second) == 32);
+    REQUIRE(servers.line_m(third) == 32);
   }
-  CHECK(servers.line_m(first) == 20);
+  CHECK(servers.line_m(first) == 32);
   CHECK(servers.all[first.value].margin_m() == 0);
 }
 
@@ -123,8 +127,8 @@ TEST_CASE("where nobody knows any more where a line was it is where the map has 
   CHECK(servers.line_m(first) == 0);
   CHECK(servers.line_m(third) == 0);
   servers.run(14 * term, 30 * term);
-  CHECK(servers.line_m(first) == 20);
-  CHECK(servers.line_m(third) == 20);
+  CHECK(servers.line_m(first) == 32);
+  CHECK(servers.line_m(third) == 32);
   CHECK(servers.all[first.value].margin_m() == 0);
 }
 
@@ -139,4 +143,27 @@ TEST_CASE("whatever levels come, lines in a row lie within their bounds") {
       CHECK(std::abs(lines.map().area(first).max_x + 75) <= 45);
       CHECK(std::abs(lines.map().area(second).max_x - 75) <= 45);
     }
+}
+
+TEST_CASE("a status says of lines what was put into it; a crowd of another size is refused") {
+  const auto read = [](std::size_t bins) {
+    flatbuffers::FlatBufferBuilder builder;
+    const auto crowd = builder.CreateVector(std::vector<std::uint8_t>(bins, 48));
+    wire::RegionStatusBuilder status(builder);
+    status.add_awake(77);
+    status.add_line_level(5);
+    status.add_line_level_below(9);
+    status.add_crowd_below(crowd);
+    status.add_line_gain(-12);
+    builder.Finish(status.Finish());
+    return read_line_news(*flatbuffers::GetRoot<wire::RegionStatus>(builder.GetBufferPointer()));
+  };
+  const auto news = read(Crowd::bins);
+  REQUIRE(news);
+  CHECK(news->level == LoadLevels::Told{5, LoadLevels::unknown});
+  CHECK(news->level_below == 9);
+  CHECK(news->gain == -12);
+  CHECK(news->awake == 77);
+  CHECK(news->crowd_below.at(0) == Approx(4 * std::expm1(48 * std::log(1.05))));
+  CHECK_FALSE(read(5));
 }
