@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <utility>
 
 #include "server/base/hash.h"
 #include "server/experiment/oracles/oracle_rest.h"
@@ -52,6 +53,7 @@ Simulation::Simulation(Scenario scenario, const SimulationOptions& options)
   faults_until_us_ = static_cast<Micros>(faults_share * options.scenario.seconds * 1e6);
   faults_ = plan_faults({options.faults, regions, faults_until_us_, options.scenario.seed});
   events_.assign(scenario_.world.regions.size(), 0);
+  line_versions_.assign(scenario_.world.regions.size(), map_.version());
   servers_.reserve(scenario_.world.regions.size());
   for (std::uint16_t r = 0; r < regions; ++r)
     servers_.emplace_back(scenario_.world, RegionId{r}, options.scenario.seed, options.pace);
@@ -220,6 +222,7 @@ void Simulation::look() {
   ++result_.ticks;
   if (!options_.judged) return;
   note_tolerances((now_.value + 1) * tick_us - 1);
+  note_lines();
   ownership_.look(now_, servers_, all_run());
   const Tick seen_tick = now_ - WorldView::delay_ticks;
   if (seen_tick.value < 1) return;
@@ -234,6 +237,14 @@ void Simulation::look() {
   result_.foreign_hosted_share_max =
       std::max(result_.foreign_hosted_share_max,
                static_cast<double>(foreign) / static_cast<double>(seen_.size()));
+}
+
+void Simulation::note_lines() {
+  for (std::size_t k = 0; k < servers_.size(); ++k) {
+    if (!servers_[k].runs()) continue;
+    const std::uint64_t version = servers_[k].core().home_lines().map().version();
+    if (std::exchange(line_versions_[k], version) != version) lines_moved_ = now_;
+  }
 }
 
 /// Whether bodies came into the world in the last second; a run that has come to rest had none.
@@ -263,7 +274,10 @@ bool Simulation::all_rest() {
 
 void Simulation::judge_rest() {
   RestOracle rest(scenario_.world);
-  rest.judge(now_, servers_, ownership_.changes_since(now_ - calm_ticks));
+  if (now_ - lines_moved_ > homeward_ticks + calm_ticks)
+    rest.judge(now_, servers_, ownership_.changes_since(now_ - calm_ticks));
+  else
+    rest.leave_out_all(servers_);
   rest.report(result_);
 }
 

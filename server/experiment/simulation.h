@@ -71,6 +71,7 @@ class Simulation {
   void inject(const Fault& fault, Micros now);
   void after_step(SimulatedServer& server, const SimulatedServer::Step& step);
   void note_tolerances(Micros now);
+  void note_lines();
   void look();
   void judge_rest();
   void judge_jumps();
@@ -100,10 +101,12 @@ class Simulation {
   OwnershipOracle ownership_;
   InteractionOracle interactions_;
   HandoffShadow shadow_;
-  std::vector<SeenBody> seen_;         ///< At the tick that was looked at last.
-  std::vector<std::uint64_t> events_;  ///< Of each server's present core.
+  std::vector<SeenBody> seen_;                ///< At the tick that was looked at last.
+  std::vector<std::uint64_t> events_;         ///< Of each server's present core.
+  std::vector<std::uint64_t> line_versions_;  ///< Of each server's map of homes.
   SeedResult result_;
-  Tick stirred_;  ///< When anything was last awake, from the end of the run on.
+  Tick stirred_;                  ///< When anything was last awake, from the end of the run on.
+  Tick lines_moved_{-1'000'000};  ///< When any server's map of homes last changed.
   Tick now_;
   Micros virtual_us_ = 0;  ///< Of the event at hand.
 };

@@ -14,7 +14,7 @@
 #include "server/gateway/pictures/draw_clock.h"
 #include "server/net/peer_links.h"
 #include "server/net/world_clock.h"
-#include "server/region/loads/home_lines.h"
+#include "server/region/lines/home_lines.h"
 #include "server/region/tolerances/tolerances.h"
 #include "server/replica/replica_store.h"
 #include "server/worlds/world.h"

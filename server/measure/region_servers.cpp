@@ -4,14 +4,11 @@
 #include <algorithm>
 
 #include "server/base/hash.h"
-#include "server/worlds/region_tiling.h"
 
 namespace aureole {
 
 RegionServers::RegionServers(WorldDefinition world, const Options& options)
-    : count_(static_cast<int>(world.regions.size())),
-      map_(partition_of(world)),
-      frames_(world.regions.size()) {
+    : count_(static_cast<int>(world.regions.size())), frames_(world.regions.size()) {
   SimulationOptions o;
   o.scenario.seed = options.seed;
   o.network = options.network;

@@ -43,7 +43,6 @@ class RegionServers final : public MeasuredRun {
   /// Reads only: the simulation's accessors are those of tests, which step through it.
   Simulation& servers() const { return *simulation_; }
   int count_;
-  PartitionMap map_;
   std::unique_ptr<Simulation> simulation_;
   std::vector<FrameTime> frames_;
 };

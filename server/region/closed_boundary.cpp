@@ -29,16 +29,14 @@ void ClosedBoundary::before_step(PhysicsWorld& physics, float dt_s) {
     const WorldPosition& at = state.position;
     Eigen::Vector3f velocity = state.linear_velocity;
     bool near = false, across = false;
-    for (RegionId region : closed_) {
-      const Rectangle& area = map_.area(region);
+    for (const Rectangle& area : closed_) {
       across |= area.contains(at.x, at.z);
       const double reach = static_cast<double>(velocity.norm() * dt_s) + push_m;
       near |= area.distance(at.x, at.z) <= reach;
     }
     if (across || !near) continue;
     outside_.push_back(id);
-    for (RegionId region : closed_) {
-      const Rectangle& area = map_.area(region);
+    for (const Rectangle& area : closed_) {
       const double next_x = at.x + static_cast<double>(velocity.x() * dt_s);
       const double next_z = at.z + static_cast<double>(velocity.z() * dt_s);
       if (!area.contains(next_x, next_z)) continue;
@@ -55,8 +53,7 @@ void ClosedBoundary::after_step(PhysicsWorld& physics) const {
   for (BodyId id : outside_) {
     BodyState state = physics.state(id);
     WorldPosition& at = state.position;
-    for (RegionId region : closed_) {
-      const Rectangle& area = map_.area(region);
+    for (const Rectangle& area : closed_) {
       if (!area.contains(at.x, at.z)) continue;
       // Back over the nearer edge: steps are short, so that is the one it came across.
       const double x = outside_of(area.min_x, area.max_x, at.x);

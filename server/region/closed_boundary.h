@@ -9,14 +9,13 @@
 
 namespace aureole {
 
-/// For one physics step. An awake body whose centre is outside the areas of the regions in `closed`
-/// and would be inside one of them after the step loses the part of its velocity that leads in, and
+/// For one physics step. An awake body whose centre is outside the `closed` areas and would be
+/// inside one of them after the step loses the part of its velocity that leads in, and
 /// its spin; whatever is pushed in all the same is put back on the edge. Bodies that are already
 /// across are let be.
 class ClosedBoundary {
  public:
-  ClosedBoundary(const PartitionMap& map, std::vector<RegionId> closed)
-      : map_(map), closed_(std::move(closed)) {}
+  explicit ClosedBoundary(std::vector<Rectangle> closed) : closed_(std::move(closed)) {}
 
   /// Call before the step of `dt_s` (s) …
   void before_step(PhysicsWorld& physics, float dt_s);
@@ -24,8 +23,7 @@ class ClosedBoundary {
   void after_step(PhysicsWorld& physics) const;
 
  private:
-  const PartitionMap& map_;
-  std::vector<RegionId> closed_;
+  std::vector<Rectangle> closed_;
   std::vector<BodyId> outside_;  ///< Those that could get across in this step.
 };
 

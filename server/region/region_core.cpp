@@ -67,7 +67,9 @@ void RegionCore::level_from(double awake) {
   // make bodies change their owners more often.
   constexpr double never = std::numeric_limits<double>::infinity();
   load_levels_.level_from(map_.has_corners() ? awake : never);
-  home_lines_.level_from(awake / 2);
+  // A handful of bodies that is to move lines is a large crowd of all there are.
+  const bool eager = awake < LoadLevels::awake_min;
+  home_lines_.level_from(awake / 2, eager ? QuietPlaceLimits::none() : QuietPlaceLimits{});
 }
 
 void RegionCore::peer_up(PeerId id, Incarnation incarnation) {
@@ -225,12 +227,19 @@ bool RegionCore::is_up(RegionId region) const {
   return it != peers_.end() && it->second.up && !it->second.recovering;
 }
 
-/// Those that have been there and simulate nothing now.
-std::vector<RegionId> RegionCore::closed_regions() const {
-  std::vector<RegionId> closed;
-  for (const auto& [id, peer] : peers_)
-    if (id.is_region() && peer.met && (!peer.up || peer.recovering))
-      closed.push_back(id.as_region());
+/// Where those were at home that have been there and simulate nothing now. Lines that were on their
+/// way when a region went down go on; what it had stays where it was, and so do the walls around
+/// it.
+std::vector<Rectangle> RegionCore::closed_areas() {
+  std::vector<Rectangle> closed;
+  for (auto& [id, peer] : peers_) {
+    if (!id.is_region() || !peer.met) continue;
+    if (peer.up && !peer.recovering)
+      peer.closed.reset();
+    else if (!peer.closed)
+      peer.closed = home_lines_.map().area(id.as_region());
+    if (peer.closed) closed.push_back(*peer.closed);
+  }
   return closed;
 }
 

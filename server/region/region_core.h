@@ -24,7 +24,7 @@
 #include "server/region/handoff/handoff.h"
 #include "server/region/handoff/journal.h"
 #include "server/region/hosting.h"
-#include "server/region/loads/home_lines.h"
+#include "server/region/lines/home_lines.h"
 #include "server/region/loads/load_levels.h"
 #include "server/region/players/effects.h"
 #include "server/region/players/players.h"
@@ -103,7 +103,8 @@ class RegionCore {
   const AuraTolerances& tolerances_in_force() const { return tolerances_.limits(); }
 
   /// Servers of a world with corners are ordered by their loads from so many bodies awake on; see
-  /// LoadLevels::awake_min. All servers of a world must agree.
+  /// LoadLevels::awake_min; in a row lines leave crowds from half as many on. Fewer than that are
+  /// for tests: lines then leave any crowd, whoever gets it. All servers of a world must agree.
   void level_from(double awake);
 
   /// From now on what has been taken counts as durable only once it is in a snapshot that has been
@@ -166,6 +167,7 @@ class RegionCore {
     Incarnation incarnation;
     bool met = false;                   ///< Has been up once.
     bool recovering = false;            ///< Simulates nothing yet; it has asked us what we know.
+    std::optional<Rectangle> closed;    ///< What was its home when it went down, until it is back.
     std::uint64_t asked_round = 0;      ///< Of a recovery query that waits for its answer; 0: none.
     std::int64_t word_every_ticks = 1;  ///< Regions: see signs_of_life.h.
   };
@@ -206,7 +208,7 @@ class RegionCore {
   bool is_up(RegionId region) const;
   bool waits_for_auras(RegionId region, const Peer& peer, Tick now) const;
   void note_neighbour_is_back(RegionId region);
-  std::vector<RegionId> closed_regions() const;
+  std::vector<Rectangle> closed_areas();
   SharedBytes status_frame(Tick now, const ShellMeasurements& measured);
   SharedBytes acknowledgement(Peer& peer);
   void judge_tolerances(Tick now, const ShellMeasurements& measured);

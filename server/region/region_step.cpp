@@ -46,7 +46,7 @@ void RegionCore::step(Tick now, const ShellMeasurements& measured) {
   spawn(now);
   apply_blasts(now);
   players_.drive(now, has_room(1), player_output_);
-  ClosedBoundary closed(home_lines_.map(), closed_regions());
+  ClosedBoundary closed(closed_areas());
   closed.before_step(hosting_.physics(), tick_s);
   hosting_.physics().step(tick_s);
   closed.after_step(hosting_.physics());
@@ -304,7 +304,7 @@ SharedBytes RegionCore::status_frame(Tick now, const ShellMeasurements& measured
   const RegionStatistics s = statistics();
   const LoadLevels::Told level =
       load_levels_.tell(now, awake_everywhere_[self_.value], static_cast<double>(largest_cluster_));
-  const HomeLines::News lines = home_lines_.tell(now, awake_everywhere_[self_.value]);
+  const LineNews lines = home_lines_.tell(now, awake_everywhere_[self_.value]);
   flatbuffers::FlatBufferBuilder builder(256);
   std::vector<wire::ToleranceMark> outside;
   for (const ToleranceEvent& e : tolerances_.outside())

@@ -4,6 +4,14 @@ from mutation import AURA, REGION, Mutation
 
 MUTATIONS = [
     Mutation(
+        "certain-row",
+        "in a row of regions nobody reckons with others' lines being elsewhere",
+        "server/aura/adaptive/adaptive_policy.cpp",
+        "home_audience_room * reach_m + s.map_margin_m);",
+        "home_audience_room * reach_m);",
+        ((AURA, "in a row, too, who does not know where others' lines are tells those who may be*"),),
+    ),
+    Mutation(
         "symmetric-rule",
         "of two servers whose bodies meet each sends its own to the other",
         "server/aura/adaptive/contests.cpp",

@@ -77,6 +77,11 @@ void RestOracle::judge(Tick now, std::span<const SimulatedServer> servers,
   }
 }
 
+void RestOracle::leave_out_all(std::span<const SimulatedServer> servers) {
+  gather(servers);
+  for (const Body& b : bodies_) ++(b.awake ? awake_ : left_out_);
+}
+
 void RestOracle::violate(Tick tick, std::string what) {
   ++unsettled_;
   if (violations_.size() < told_max)

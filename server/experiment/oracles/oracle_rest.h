@@ -31,6 +31,9 @@ class RestOracle {
   /// `late`: changes of owner in the last second.
   void judge(Tick now, std::span<const SimulatedServer> servers, std::span<const OwnerChange> late);
 
+  /// Instead, while lines move and things follow them: leaves out all that is asleep.
+  void leave_out_all(std::span<const SimulatedServer> servers);
+
   /// Adds unsettled, awake_at_end and what is to be said of them.
   void report(SeedResult& result) const;
 

@@ -78,6 +78,13 @@ bool LoadLevels::none_loaded() const {
   });
 }
 
+bool LoadLevels::unchanged() const {
+  return std::all_of(known_.begin(), known_.end(), [](const Known& known) {
+    return std::all_of(known.begin(), known.end(),
+                       [&](const Announced& a) { return a.level == known.front().level; });
+  });
+}
+
 void LoadLevels::look_up(Tick at, std::vector<std::uint16_t>& levels) const {
   levels.clear();
   for (const Known& known : known_) levels.push_back(level_in(known, term_of(at)));

@@ -61,6 +61,8 @@ class LoadLevels {
   bool has_heard(RegionId region) const { return known_[region.value].front().term > 0; }
   /// Whether no server has told, or chosen here, of a load that counts, for as long as is kept.
   bool none_loaded() const;
+  /// Whether every server has told the same, or chosen here, for as long as is kept.
+  bool unchanged() const;
   /// Whether so many bodies awake would be at a level of their own.
   bool counts(double awake) const { return awake > awake_min_; }
 

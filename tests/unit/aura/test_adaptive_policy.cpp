@@ -181,9 +181,10 @@ TEST_CASE("in a row, too, who does not know where others' lines are tells those 
   const auto column = [](double from, double to) { return Rectangle{from, -inf, to, inf}; };
   scene.map = PartitionMap({column(-inf, 0), column(0, 100), column(100, inf)});
   scene.self = 1;
-  scene.hosted = {awake_at(0, 95)};
+  // So far from the line that nobody is near, and not too far for a line that lies elsewhere.
+  scene.hosted = {awake_at(0, 80)};
   REQUIRE(scene.decide().projected.empty());
-  scene.map_margin_m = 12;
+  scene.map_margin_m = 24;
   REQUIRE(told_of(scene.decide(), name(0)) == regions({2}));
 }
 

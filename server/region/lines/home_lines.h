@@ -6,13 +6,13 @@
 #include <optional>
 #include <vector>
 
-#include "protocol/wire.h"
 #include "server/aura/migration_mode.h"
 #include "server/aura/partition/partition_lines.h"
 #include "server/aura/partition/partition_map.h"
-#include "server/base/result.h"
 #include "server/base/tick.h"
-#include "server/region/loads/line_keeper.h"
+#include "server/region/lines/line_keeper.h"
+#include "server/region/lines/line_news.h"
+#include "server/region/loads/lasting_load.h"
 #include "server/region/loads/load_levels.h"
 
 namespace aureole {
@@ -47,27 +47,17 @@ class HomeLines {
   Rule rule() const { return rule_; }
 
   /// Loads below this are all alike (bodies awake, > 0); see LoadLevels::awake_min and LineKeeper.
-  void level_from(double awake) {
+  void level_from(double awake, const QuietPlaceLimits& limits = {}) {
     levels_.level_from(awake);
-    keeper_.look_from(awake, awake < LoadLevels::awake_min / 2);
+    keeper_.look_from(awake, limits);
   }
 
-  /// What a status says of lines.
-  struct News {
-    LoadLevels::Told level;
-    /// Only where lines go to quiet places: the level of the line that the region begins at, as far
-    /// as is known there; who is awake near it; and what the line that it keeps will still bring.
-    std::uint16_t level_below = LoadLevels::unknown;
-    Crowd crowd_below{};
-    std::int32_t gain = 0;
-    double awake = 0;  ///< Bodies, here and now.
-  };
   /// At every status of ours: who is awake here.
   void note_awake(std::span<const NewBody> awake);
   /// What our next status says. `lately`: the mean of the last second, in bodies awake: who has
   /// calmed down has no load at once, and for some seconds, whatever wakes.
-  News tell(Tick now, double lately);
-  void hear(RegionId from, Tick told_at, const News& told);
+  LineNews tell(Tick now, double lately);
+  void hear(RegionId from, Tick told_at, const LineNews& told);
 
   /// Moves the lines to where they are at this tick; whether the map, or the margin, is another one
   /// than before.
@@ -88,7 +78,9 @@ class HomeLines {
   };
   static constexpr std::size_t terms_in_mind = 4;
   LoadLevels::Told tell_place(Tick now);
+  LineNews tell_of_row(Tick now);
   double place_m(std::size_t line, std::uint16_t level) const;
+  static std::uint16_t level_at(double place_m);
   double margin_m(bool sure) const;
   bool knows_near(Tick as_of) const;
   void begin_term(std::int64_t term);
@@ -101,20 +93,13 @@ class HomeLines {
   Rule rule_;
   LineKeeper keeper_;
   std::vector<RegionId> keepers_near_;  ///< Of the lines of our region and of its neighbours.
-  std::size_t awake_now_ = 0;
+  double awake_now_ = 0;                ///< Bodies.
   std::optional<Tick> first_told_;
   double margin_m_ = 0;
-  double awake_ = 0;          ///< Smoothed.
-  double told_ = 0;           ///< The load that our last status was about.
-  bool counted_ = false;      ///< There has been a load that counts.
-  std::optional<Tick> calm_;  ///< When there was last none after that.
-  std::int64_t looks_ = 0;
+  LastingLoad load_;
   std::int64_t term_ = -1;                    ///< As of the last move().
   std::array<Wanted, terms_in_mind> wanted_;  ///< Of that term first, then of those before.
   std::vector<std::uint16_t> levels_now_;     ///< What the first of them is for.
 };
-
-/// What a status that has been verified says of lines. Errors: a crowd of another size.
-Result<HomeLines::News> read_line_news(const wire::RegionStatus& status);
 
 }  // namespace aureole

@@ -1,5 +1,5 @@
 // From levels to loads, from loads to lines.
-#include "server/region/loads/home_lines.h"
+#include "server/region/lines/home_lines.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,19 +11,9 @@ namespace {
 /// Between two levels.
 constexpr double step = 1.0025;
 
-/// The load follows what is awake in so many statuses: 20 s. Until then it is the mean of all.
-constexpr double looks_in_mind = 78;
-
 /// Lines move so much later than the order of the servers changes: what has to change its owner
 /// because of the one need not at once because of the other.
 constexpr std::int64_t after_order_ticks = LoadLevels::term_ticks / 2;
-
-/// A load is no more than this many times what it was lately.
-constexpr double calm_factor = 2;
-
-/// Where a server has calmed down what wakes counts only after so long: 10 s. A heap that goes home
-/// when lines come back wakes for a moment; they would move for it, come back, and so for ever.
-constexpr std::int64_t lasting_ticks = 625;
 
 }  // namespace
 
@@ -44,9 +34,8 @@ HomeLines::HomeLines(const PartitionMap& map, RegionId self, Rule rule)
 }
 
 void HomeLines::note_awake(std::span<const NewBody> awake) {
-  awake_now_ = awake.size();
-  const double share = std::max(1.0 / static_cast<double>(++looks_), 1.0 / looks_in_mind);
-  awake_ += (static_cast<double>(awake_now_) - awake_) * share;
+  awake_now_ = static_cast<double>(awake.size());
+  load_.note_awake(awake_now_);
   if (rule_ == Rule::quiet_places) keeper_.note_awake(awake);
 }
 
@@ -55,6 +44,11 @@ double HomeLines::place_m(std::size_t line, std::uint16_t level) const {
   const double steps = level % 2 == 0 ? level / 2 : -(level + 1) / 2;
   const double far_m = lines_.far_m(line);
   return std::clamp(steps * PartitionLines::grain_m, -far_m, far_m);
+}
+
+std::uint16_t HomeLines::level_at(double place_m) {
+  const long steps = std::lround(place_m / PartitionLines::grain_m);
+  return static_cast<std::uint16_t>(steps >= 0 ? 2 * steps : -2 * steps - 1);
 }
 
 /// Who has started anew does not know where its line lies before somebody has told it; if nobody
@@ -68,34 +62,31 @@ LoadLevels::Told HomeLines::tell_place(Tick now) {
   return levels_.tell(now, [&](std::uint16_t before) {
     // Who does not hear of everybody may not be heard by everybody.
     if (!levels_.knows_all(now)) return before;
-    const double next_m = keeper_.next_m(place_m(*keeper_.line(), before));
-    const long steps = std::lround(next_m / PartitionLines::grain_m);
-    return static_cast<std::uint16_t>(steps >= 0 ? 2 * steps : -2 * steps - 1);
+    return level_at(keeper_.next_m(place_m(*keeper_.line(), before)));
   });
 }
 
-HomeLines::News HomeLines::tell(Tick now, double lately) {
+LineNews HomeLines::tell_of_row(Tick now) {
+  LineNews news{.level = tell_place(now)};
+  news.crowd_below = keeper_.crowd_below();
+  news.gain = keeper_.gain();
+  news.awake = awake_now_;
+  if (const auto below = keeper_.keeper_below_of(self_); below && levels_.has_heard(*below))
+    news.level_below = levels_.in_force(now)[below->value];
+  keeper_.hear(self_, news.awake, news.gain, news.crowd_below);
+  return news;
+}
+
+LineNews HomeLines::tell(Tick now, double lately) {
   if (rule_ == Rule::still) return {};
-  if (rule_ == Rule::quiet_places) {
-    News news{.level = tell_place(now)};
-    news.crowd_below = keeper_.crowd_below();
-    news.gain = keeper_.gain();
-    news.awake = static_cast<double>(awake_now_);
-    if (const auto below = keeper_.keeper_below(); below && levels_.has_heard(*below))
-      news.level_below = levels_.in_force(now)[below->value];
-    keeper_.hear(self_, news.awake, news.gain, news.crowd_below);
-    return news;
-  }
-  if (counted_ && !levels_.counts(lately)) calm_ = now;
-  told_ = calm_ && now - *calm_ < lasting_ticks ? 0 : std::min(awake_, calm_factor * lately);
-  counted_ = counted_ || levels_.counts(told_);
-  LoadLevels::Told told = levels_.tell(now, told_);
+  if (rule_ == Rule::quiet_places) return tell_of_row(now);
+  LoadLevels::Told told = levels_.tell(now, load_.tell(now, lately, levels_));
   // Others know better than a server that has just started at which level it is.
   if (!levels_.knows(self_, now)) told.now = LoadLevels::unknown;
   return {.level = told};
 }
 
-void HomeLines::hear(RegionId from, Tick told_at, const News& told) {
+void HomeLines::hear(RegionId from, Tick told_at, const LineNews& told) {
   if (rule_ == Rule::still) return;
   levels_.hear(from, told_at, told.level);
   if (rule_ != Rule::quiet_places) return;
@@ -190,28 +181,16 @@ bool HomeLines::move(Tick now) {
 
 bool HomeLines::settled() const {
   if (rule_ == Rule::quiet_places)
-    return std::all_of(wanted_.begin(), wanted_.end(), [&](const Wanted& wanted) {
-      return wanted.shifts_m == wanted_.front().shifts_m;
-    });
+    return keeper_.idle() && levels_.unchanged() &&
+           std::all_of(wanted_.begin(), wanted_.end(), [&](const Wanted& wanted) {
+             return wanted.shifts_m == wanted_.front().shifts_m;
+           });
   const auto asks_nothing = [](const Wanted& wanted) {
     return std::all_of(wanted.shifts_m.begin(), wanted.shifts_m.end(),
                        [](double shift_m) { return shift_m == 0; });
   };
-  return !levels_.counts(told_) && levels_.none_loaded() &&
+  return !levels_.counts(load_.told()) && levels_.none_loaded() &&
          std::all_of(wanted_.begin(), wanted_.end(), asks_nothing);
-}
-
-Result<HomeLines::News> read_line_news(const wire::RegionStatus& status) {
-  HomeLines::News news{.level = {status.line_level(), status.next_line_level()},
-                       .level_below = status.line_level_below()};
-  if (const auto* bytes = status.crowd_below()) {
-    auto crowd = Crowd::decoded({bytes->data(), bytes->size()});
-    if (!crowd) return crowd.error();
-    news.crowd_below = *crowd;
-  }
-  news.gain = status.line_gain();
-  news.awake = status.awake();
-  return news;
 }
 
 }  // namespace aureole

@@ -1,5 +1,5 @@
 // Where regions end: the same for all who have heard, and known to be uncertain by who has not.
-#include "server/region/loads/home_lines.h"
+#include "server/region/lines/home_lines.h"
 
 #include <optional>
 #include <vector>
@@ -42,7 +42,7 @@ struct Servers {
   void tell(Tick now, std::optional<RegionId> deaf, RegionId silent) {
     for (std::uint16_t k = 0; k < 4; ++k) {
       all[k].note_awake(std::vector<NewBody>(awake[k]));
-      const HomeLines::News told = all[k].tell(now, static_cast<double>(awake[k]));
+      const LineNews told = all[k].tell(now, static_cast<double>(awake[k]));
       for (std::uint16_t other = 0; other < 4; ++other)
         if (other != k && !(deaf == RegionId{other} && silent == RegionId{k}))
           all[other].hear(RegionId{k}, now, told);

@@ -1,0 +1,55 @@
+// All places are tried; the one that fewest are near to is best, unless that is unfair.
+#include "server/region/lines/quiet_place.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace aureole {
+namespace {
+
+/// What belongs to a line's crowd (m, to either side of its place).
+constexpr double crowd_reach_m = 48;
+/// A place is quiet where there are at most so many of those who are here.
+constexpr double quiet_share = 0.5;
+/// What a side has to have of the mean of all servers for the line to go back.
+constexpr double overload = 1.3;
+/// A metre of the way counts as so many bodies at its end: of two quiet places the nearer one.
+constexpr double bodies_per_m = 0.02;
+
+}  // namespace
+
+double LineSituation::gain(double place_m) const {
+  return above_has.between(Crowd::from_m, place_m) - below_has.between(place_m, -Crowd::from_m);
+}
+
+double LineSituation::busier(double place_m) const {
+  const double more = gain(place_m);
+  return std::max(below + more, above - more);
+}
+
+double quiet_place_m(const LineSituation& line) {
+  const double gainer = line.here_m > 0 ? line.below : line.above;
+  if (line.here_m != 0 && gainer > overload * line.mean) return 0;
+  const double here = line.stirs_at(line.here_m);
+  const double crowd = line.below_has.between(-crowd_reach_m, crowd_reach_m) +
+                       line.above_has.between(-crowd_reach_m, crowd_reach_m);
+  if (here < line.limits.crowd_min || crowd > line.limits.crowd_share * line.all)
+    return line.here_m;
+  double best_m = line.here_m, least = quiet_share * here;
+  const int reach = static_cast<int>(line.far_m / Crowd::bin_m);
+  for (int i = -reach; i <= reach; ++i) {
+    const double place_m = i * Crowd::bin_m;
+    const double stirs = line.stirs_at(place_m) + bodies_per_m * std::abs(place_m - line.here_m);
+    if (stirs < least && line.busier(place_m) <= line.limits.load_share_of_mean * line.mean) {
+      least = stirs;
+      best_m = place_m;
+    }
+  }
+  return best_m;
+}
+
+bool overloads(const LineSituation& line, double place_m) {
+  return line.busier(place_m) > overload * line.mean;
+}
+
+}  // namespace aureole
