@@ -274,7 +274,11 @@ bool Simulation::all_rest() {
 
 void Simulation::judge_rest() {
   RestOracle rest(scenario_.world);
-  if (now_ - lines_moved_ > homeward_ticks + calm_ticks)
+  const bool all_sleep = std::all_of(servers_.begin(), servers_.end(), [](const auto& s) {
+    return !s.runs() || s.core().physics().awake_count() == 0;
+  });
+  // Lines move while somebody is awake; if they do while all sleep that is what is wrong.
+  if (all_sleep || now_ - lines_moved_ > homeward_ticks + calm_ticks)
     rest.judge(now_, servers_, ownership_.changes_since(now_ - calm_ticks));
   else
     rest.leave_out_all(servers_);

@@ -28,15 +28,11 @@ void ClosedBoundary::before_step(PhysicsWorld& physics, float dt_s) {
     const BodyState state = physics.state(id);
     const WorldPosition& at = state.position;
     Eigen::Vector3f velocity = state.linear_velocity;
-    bool near = false, across = false;
-    for (const Rectangle& area : closed_) {
-      across |= area.contains(at.x, at.z);
-      const double reach = static_cast<double>(velocity.norm() * dt_s) + push_m;
-      near |= area.distance(at.x, at.z) <= reach;
-    }
-    if (across || !near) continue;
-    outside_.push_back(id);
-    for (const Rectangle& area : closed_) {
+    const double reach_m = static_cast<double>(velocity.norm() * dt_s) + push_m;
+    for (std::size_t i = 0; i < closed_.size(); ++i) {
+      const Rectangle& area = closed_[i];
+      if (area.contains(at.x, at.z) || area.distance(at.x, at.z) > reach_m) continue;
+      outside_.push_back({id, i});
       const double next_x = at.x + static_cast<double>(velocity.x() * dt_s);
       const double next_z = at.z + static_cast<double>(velocity.z() * dt_s);
       if (!area.contains(next_x, next_z)) continue;
@@ -50,24 +46,23 @@ void ClosedBoundary::before_step(PhysicsWorld& physics, float dt_s) {
 }
 
 void ClosedBoundary::after_step(PhysicsWorld& physics) const {
-  for (BodyId id : outside_) {
+  for (const auto& [id, i] : outside_) {
     BodyState state = physics.state(id);
     WorldPosition& at = state.position;
-    for (const Rectangle& area : closed_) {
-      if (!area.contains(at.x, at.z)) continue;
-      // Back over the nearer edge: steps are short, so that is the one it came across.
-      const double x = outside_of(area.min_x, area.max_x, at.x);
-      const double z = outside_of(area.min_z, area.max_z, at.z);
-      if (std::abs(x - at.x) <= std::abs(z - at.z)) {
-        at.x = x;
-        state.linear_velocity.x() = 0;
-      } else {
-        at.z = z;
-        state.linear_velocity.z() = 0;
-      }
-      state.angular_velocity.setZero();
-      physics.set_state(id, state);
+    const Rectangle& area = closed_[i];
+    if (!area.contains(at.x, at.z)) continue;
+    // Back over the nearer edge: steps are short, so that is the one it came across.
+    const double x = outside_of(area.min_x, area.max_x, at.x);
+    const double z = outside_of(area.min_z, area.max_z, at.z);
+    if (std::abs(x - at.x) <= std::abs(z - at.z)) {
+      at.x = x;
+      state.linear_velocity.x() = 0;
+    } else {
+      at.z = z;
+      state.linear_velocity.z() = 0;
     }
+    state.angular_velocity.setZero();
+    physics.set_state(id, state);
   }
 }
 

@@ -1,6 +1,8 @@
 // While a region is down, its boundary is a wall to its neighbours' bodies.
 #pragma once
 
+#include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "server/aura/partition/partition_map.h"
@@ -9,10 +11,10 @@
 
 namespace aureole {
 
-/// For one physics step. An awake body whose centre is outside the `closed` areas and would be
-/// inside one of them after the step loses the part of its velocity that leads in, and
+/// For one physics step. An awake body whose centre is outside of one of the `closed` areas and
+/// would be inside it after the step loses the part of its velocity that leads in, and
 /// its spin; whatever is pushed in all the same is put back on the edge. Bodies that are already
-/// across are let be.
+/// across are let be. Areas may overlap.
 class ClosedBoundary {
  public:
   explicit ClosedBoundary(std::vector<Rectangle> closed) : closed_(std::move(closed)) {}
@@ -24,7 +26,11 @@ class ClosedBoundary {
 
  private:
   std::vector<Rectangle> closed_;
-  std::vector<BodyId> outside_;  ///< Those that could get across in this step.
+  struct Outside {
+    BodyId id;
+    std::size_t area;
+  };
+  std::vector<Outside> outside_;  ///< Who could get across in this step, and where.
 };
 
 }  // namespace aureole

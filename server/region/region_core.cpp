@@ -227,18 +227,22 @@ bool RegionCore::is_up(RegionId region) const {
   return it != peers_.end() && it->second.up && !it->second.recovering;
 }
 
-/// Where those were at home that have been there and simulate nothing now. Lines that were on their
-/// way when a region went down go on; what it had stays where it was, and so do the walls around
-/// it.
-std::vector<Rectangle> RegionCore::closed_areas() {
+/// Where those are and were at home that have been there and simulate nothing now. Lines that were
+/// on their way when a region went down go on, but what it had stays where it was. Whoever is back
+/// simulates again when it tells us of a step: until then it may be about to recover.
+std::vector<Rectangle> RegionCore::close_areas() {
   std::vector<Rectangle> closed;
   for (auto& [id, peer] : peers_) {
     if (!id.is_region() || !peer.met) continue;
-    if (peer.up && !peer.recovering)
+    const bool away = !peer.up || peer.recovering;
+    const Rectangle& home = home_lines_.map().area(id.as_region());
+    if (!away && aura_exchange_.has_heard(id.as_region()))
       peer.closed.reset();
-    else if (!peer.closed)
-      peer.closed = home_lines_.map().area(id.as_region());
-    if (peer.closed) closed.push_back(*peer.closed);
+    else if (away && !peer.closed)
+      peer.closed = home;
+    if (!peer.closed) continue;
+    closed.push_back(*peer.closed);
+    if (home != *peer.closed) closed.push_back(home);
   }
   return closed;
 }

@@ -104,7 +104,8 @@ class RegionCore {
 
   /// Servers of a world with corners are ordered by their loads from so many bodies awake on; see
   /// LoadLevels::awake_min; in a row lines leave crowds from half as many on. Fewer than that are
-  /// for tests: lines then leave any crowd, whoever gets it. All servers of a world must agree.
+  /// for tests: lines then leave any crowd, whoever gets it, and come back if that is far too much
+  /// for it. All servers of a world must agree.
   void level_from(double awake);
 
   /// From now on what has been taken counts as durable only once it is in a snapshot that has been
@@ -167,7 +168,7 @@ class RegionCore {
     Incarnation incarnation;
     bool met = false;                   ///< Has been up once.
     bool recovering = false;            ///< Simulates nothing yet; it has asked us what we know.
-    std::optional<Rectangle> closed;    ///< What was its home when it went down, until it is back.
+    std::optional<Rectangle> closed;    ///< Its home when it went down, until it is back.
     std::uint64_t asked_round = 0;      ///< Of a recovery query that waits for its answer; 0: none.
     std::int64_t word_every_ticks = 1;  ///< Regions: see signs_of_life.h.
   };
@@ -208,7 +209,7 @@ class RegionCore {
   bool is_up(RegionId region) const;
   bool waits_for_auras(RegionId region, const Peer& peer, Tick now) const;
   void note_neighbour_is_back(RegionId region);
-  std::vector<Rectangle> closed_areas();
+  std::vector<Rectangle> close_areas();
   SharedBytes status_frame(Tick now, const ShellMeasurements& measured);
   SharedBytes acknowledgement(Peer& peer);
   void judge_tolerances(Tick now, const ShellMeasurements& measured);

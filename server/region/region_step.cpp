@@ -46,7 +46,7 @@ void RegionCore::step(Tick now, const ShellMeasurements& measured) {
   spawn(now);
   apply_blasts(now);
   players_.drive(now, has_room(1), player_output_);
-  ClosedBoundary closed(closed_areas());
+  ClosedBoundary closed(close_areas());
   closed.before_step(hosting_.physics(), tick_s);
   hosting_.physics().step(tick_s);
   closed.after_step(hosting_.physics());

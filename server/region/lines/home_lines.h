@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "server/aura/migration_mode.h"
@@ -47,6 +48,7 @@ class HomeLines {
   Rule rule() const { return rule_; }
 
   /// Loads below this are all alike (bodies awake, > 0); see LoadLevels::awake_min and LineKeeper.
+  /// `limits`: of the crowds that a line of a row may leave.
   void level_from(double awake, const QuietPlaceLimits& limits = {}) {
     levels_.level_from(awake);
     keeper_.look_from(awake, limits);

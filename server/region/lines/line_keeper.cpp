@@ -27,6 +27,7 @@ LineKeeper::LineKeeper(const PartitionLines& lines, std::size_t regions, RegionI
 }
 
 void LineKeeper::note_awake(std::span<const NewBody> awake) {
+  loads_[self_.value].awake_now = static_cast<double>(awake.size());
   const double share = share_of_newest(++looks_, looks_in_mind);
   const auto count = [&](std::optional<std::size_t> line, Crowd& crowd) {
     if (!line) return;
@@ -85,9 +86,12 @@ bool LineKeeper::idle() const {
 }
 
 double LineKeeper::next_m(double here_m) {
-  if (!line_ || idle()) return here_m;
+  if (!line_) return here_m;
   const LineSituation now = situation(here_m);
-  if (now.mean < awake_min_) return here_m;
+  if (idle() || now.mean < awake_min_) {
+    target_m_.reset();  // When a world wakes again it may be another crowd.
+    return here_m;
+  }
   // Once it has set out it goes on, unless somebody would have too much by now.
   const bool on_its_way = target_m_ && *target_m_ != here_m && !overloads(now, *target_m_);
   if (!on_its_way) target_m_ = quiet_place_m(now);

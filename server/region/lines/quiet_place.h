@@ -12,8 +12,11 @@ struct QuietPlaceLimits {
   double crowd_min = 8;              ///< Fewer are not worth moving a line for (bodies awake).
   double crowd_share = 0.08;         ///< Not more than this of all that is awake anywhere.
   double load_share_of_mean = 1.15;  ///< What a side may have after a move, of all servers' mean.
-  /// For tests of moving lines: for any crowd, whoever then has it.
-  static QuietPlaceLimits none() { return {1, 1, std::numeric_limits<double>::infinity()}; }
+  /// For tests of moving lines: for any crowd, whoever then has it until the line goes back.
+  static QuietPlaceLimits none() {
+    constexpr double any = std::numeric_limits<double>::infinity();
+    return {1, any, any};
+  }
 };
 
 /// The place of a line, and whom it is between.

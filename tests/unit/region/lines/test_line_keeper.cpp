@@ -101,6 +101,32 @@ TEST_CASE("a line does not set out once hardly anything is awake, however much w
   CHECK(keeper.next_m(0) != 0);
 }
 
+TEST_CASE(
+    "a line that was on its way stays where it is when all calms down, and looks again then") {
+  LineKeeper keeper(PartitionLines(row()), 3, RegionId{0});
+  keeper.look_from(10, {.crowd_share = 1});
+  const auto look = [&](double crowd_m, int times) {
+    for (int i = 0; i < times; ++i) {
+      keeper.note_awake(awake_at(-75 - 2, 20));
+      Crowd theirs;
+      put(theirs, crowd_m, 20);
+      keeper.hear(RegionId{0}, 40, 0, {});
+      keeper.hear(RegionId{1}, 60, 0, theirs);
+      keeper.hear(RegionId{2}, 80, 0, {});
+    }
+  };
+  look(0, 200);
+  REQUIRE(keeper.next_m(0) == 12);
+  REQUIRE(keeper.gain() == 20);
+  keeper.note_awake({});
+  for (std::uint16_t k = 0; k < 3; ++k) keeper.hear(RegionId{k}, 0, 0, {});
+  CHECK(keeper.next_m(4) == 4);
+  CHECK(keeper.gain() == 0);
+  // Where it was going there is a crowd by now.
+  look(12, 200);
+  CHECK(keeper.next_m(4) != 12);
+}
+
 TEST_CASE("nothing moves while hardly anything is awake anywhere") {
   for (const double enough : {49.0, 51.0}) {
     LineKeeper keeper(PartitionLines(row()), 3, RegionId{0});

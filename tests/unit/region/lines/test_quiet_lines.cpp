@@ -217,7 +217,7 @@ TEST_CASE("what rests where a line has gone is at home on the other side, and st
   CHECK(cluster.faults().empty());
 }
 
-TEST_CASE("the wall of a region that is down stands where its line was, wherever that goes") {
+TEST_CASE("the wall of a region that is down stands where its line was, and where it goes") {
   WorldDefinition world = crowd_near_a_line();
   world.prototypes[testing::box.value].body.friction = 0;
   const BodyId from_left = testing::put(world, testing::box, {78, 0.5, -30}, {4, 0, 0});
@@ -241,5 +241,26 @@ TEST_CASE("the wall of a region that is down stands where its line was, wherever
   }
   REQUIRE(line_m(1) == 108);
   CHECK(left_m == Approx(104).margin(0.1));
+  // It was beyond the line when that came to 108 m, and has no more business where the other was.
   CHECK(right_m == Approx(104).margin(0.1));
+}
+
+TEST_CASE("the wall of a region that was down stands until it is heard of again") {
+  WorldDefinition world = crowd_near_a_line();
+  world.prototypes[testing::box.value].body.friction = 0;
+  const BodyId comes = testing::put(world, testing::box, {78, 0.5, -30}, {4, 0, 0});
+  testing::RegionCluster cluster(world, 1);
+  for (int i = 0; i < 3; ++i) cluster.core(i).level_from(1);
+  cluster.step(400);
+  cluster.cut_link(0, 1);
+  cluster.step(100);
+  // There is a link again, and nobody at its other end who simulates.
+  cluster.reset_link(0, 1);
+  cluster.silence(1, 0);
+  double farthest_m = 0;
+  for (int i = 0; i < 500; ++i) {
+    cluster.step();
+    farthest_m = std::max(farthest_m, cluster.state(comes).position.x);
+  }
+  CHECK(farthest_m == Approx(104).margin(0.1));
 }
