@@ -339,6 +339,30 @@ TEST_CASE("what sleeps abroad is not settled though others move, only what they 
   }
 }
 
+TEST_CASE("what sleeps where a line has just passed is not judged while others move") {
+  WorldDefinition world = layout_world("column4");
+  // A crowd in the air beside the line at x = 0, and sleepers on the side that it will move to.
+  for (int i = 0; i < 12; ++i) put_body(world, sphere_prototype, {-6, 60, 2.0 * i}, {0, 20, 0});
+  constexpr int sleepers = 8;
+  for (int i = 0; i < sleepers; ++i)
+    put_body(world, sphere_prototype, {0.5 + i, 0.3, -20}, {0, 0, 0}, Activation::asleep);
+  SimulationOptions options = calm(6);
+  options.pace.level_from = 4;
+  Simulation simulation({world, "test", 0}, options);
+  const auto lines = [&] { return simulation.server(1).core().home_lines().map().version(); };
+  const std::uint64_t at_first = lines();
+  for (int t = 0; t < 330 && lines() == at_first; ++t) simulation.tick();
+  REQUIRE(lines() != at_first);
+  const PartitionMap& map = simulation.server(2).core().home_lines().map();
+  // Otherwise this shows nothing.
+  REQUIRE(map.region_at(0.5, -20) == RegionId{1});
+  REQUIRE(simulation.server(2).core().physics().size() == sleepers);
+  const SeedResult result = simulation.finish();
+  CHECK(result.awake_at_end == 12);
+  CHECK(result.unsettled == 0);
+  CHECK(result.rest_not_judged == sleepers);
+}
+
 TEST_CASE("a message that a core refuses is told of") {
   WorldDefinition world = layout_world("column4");
   Simulation simulation({world, "test", 0}, calm(1));
