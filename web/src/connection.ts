@@ -100,8 +100,9 @@ export class Connection {
     return this.send({ type: "action", seq: ++this.seq_, action, ...angles, item });
   }
 
-  send_view(view: View): void {
-    if (this.can_send()) this.send({ type: "view", ...view });
+  /** False: it was not sent. */
+  send_view(view: View): boolean {
+    return this.can_send() && this.send({ type: "view", ...view });
   }
 
   send_ack(frame: number): void {

@@ -151,8 +151,17 @@ function obey(command: Command): void {
   }
 }
 
+// As with input, the newest view always arrives.
+let view_timer = 0;
+
+function send_view(): void {
+  window.clearTimeout(view_timer);
+  if (!connection.send_view(view) && connection.state === "joined")
+    view_timer = window.setTimeout(send_view, 50);
+}
+
 function view_changed(sentence: string): void {
-  connection.send_view(view);
+  send_view();
   draw_toggles();
   hud.note(sentence);
 }
@@ -201,7 +210,7 @@ function welcomed(welcome: Welcome): void {
   if (had_token && connection.reconnects > 0) {
     hud.note(session.resumed ? "Welcome back." : "The world went on without you: you start anew.");
   }
-  connection.send_view(view);
+  send_view();
   send_input();
 }
 
@@ -238,7 +247,7 @@ window.addEventListener("resize", () => {
     const size = wanted_size();
     if (size.width === view.width && size.height === view.height) return;
     Object.assign(view, size);
-    connection.send_view(view);
+    send_view();
   }, resize_settle_ms);
 });
 document.addEventListener("fullscreenchange", draw_toggles);

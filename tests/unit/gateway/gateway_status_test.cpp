@@ -63,9 +63,11 @@ TEST_CASE("Health and status say which regions are there and what they report") 
 
 TEST_CASE("Boundaries are drawn where regions end now, by what their servers say of their loads") {
   const WorldDefinition corner = small_world_with_corner();
-  // Until it is another one than `other`, for as long as a busy machine may take.
-  const auto picture = [&](std::uint16_t west_level, const std::string& options,
-                           const std::string& other = "") {
+  struct Pictures {
+    std::string with, without;  ///< Boundaries.
+  };
+  // With boundaries until it is another one than `other`, for as long as a busy machine may take.
+  const auto pictures = [&](std::uint16_t west_level, const std::string& other) {
     std::vector<std::unique_ptr<FakeRegion>> regions;
     std::vector<PeerAddress> at;
     for (std::uint16_t k = 0; k < 4; ++k) {
@@ -76,24 +78,28 @@ TEST_CASE("Boundaries are drawn where regions end now, by what their servers say
     }
     RunningGateway gateway(at, 8, corner);
     gateway.wait_until_healthy();
-    std::string frame;
+    const auto frame = [&](const std::string& options) {
+      const auto answer = gateway.get(
+          "/api/frame.jpg?x=0&y=30&z=40&yaw=0&pitch=-0.6&w=320&h=180&format=ppm" + options);
+      REQUIRE(answer.status == 200);
+      return answer.body;
+    };
+    std::string with;
     const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(20);
     do {
       // All say how much they have to do at every sixteenth tick.
       std::this_thread::sleep_for(std::chrono::milliseconds(600));
-      const auto answer = gateway.get(
-          "/api/frame.jpg?x=0&y=30&z=40&yaw=0&pitch=-0.6&w=320&h=180&format=ppm" + options);
-      REQUIRE(answer.status == 200);
-      frame = answer.body;
-    } while (frame == other && std::chrono::steady_clock::now() < until);
-    return frame;
+      with = frame("&boundaries=1");
+    } while (with == other && std::chrono::steady_clock::now() < until);
+    return Pictures{with, frame("")};
   };
   // 1.0025^400 is 2.7, 1.0025^900 is 9.5: the line between west and east goes west.
-  const std::string even = picture(400, "&boundaries=1");
+  const Pictures even = pictures(400, ""), again = pictures(400, ""),
+                 west = pictures(900, even.with);
   // Compared here, not by CHECK(), which would print them.
-  const bool same = picture(400, "&boundaries=1") == even;
-  const bool moved = picture(900, "&boundaries=1", even) != even;
-  const bool only_boundaries = picture(900, "") == picture(400, "");
+  const bool same = again.with == even.with;
+  const bool moved = west.with != even.with;
+  const bool only_boundaries = west.without == even.without;
   CHECK(same);
   CHECK(moved);
   CHECK(only_boundaries);
