@@ -137,6 +137,11 @@ export async function picture_pixels(page) {
   });
 }
 
+/** How wide the gateway makes pictures now: less where it or the line is busy. */
+export function picture_width(page) {
+  return page.evaluate(() => document.getElementById("picture").width);
+}
+
 /** Mean absolute difference of two pictures, 0 … 255. */
 export function picture_difference(a, b) {
   if (a.length !== b.length) throw new Error("pictures of different sizes");
