@@ -29,6 +29,15 @@ std::optional<Whereabouts> whereabouts_in(const WorldDefinition& world, bool has
   return Whereabouts(world.bounds, largest_m);
 }
 
+/// For an order of servers where three regions meet; elsewhere none, so that numbers decide.
+std::vector<std::uint16_t> neighbours_in(const PartitionMap& map) {
+  std::vector<std::uint16_t> neighbours;
+  if (!map.has_corners()) return neighbours;
+  for (std::uint16_t k = 0; k < map.size(); ++k)
+    neighbours.push_back(static_cast<std::uint16_t>(map.neighbours(RegionId{k}).size()));
+  return neighbours;
+}
+
 }  // namespace
 
 RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation incarnation)
@@ -43,6 +52,7 @@ RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation 
       hosted_bodies_(map_, self_, hosting_.statics()),
       awake_everywhere_(world.regions.size(), 0.0),
       load_levels_(world.regions.size(), self),
+      neighbours_(neighbours_in(map_)),
       home_lines_(map_, self, HomeLines::rule_in(world.mode, map_)),
       injected_(world.injectors.size(), 0),
       tolerances_(world.tolerances, self, world.regions.size()) {

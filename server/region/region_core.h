@@ -247,6 +247,7 @@ class RegionCore {
   HostedBodies hosted_bodies_;
   std::vector<double> awake_everywhere_;  ///< By region, smoothed; 0: not heard of.
   LoadLevels load_levels_;
+  std::vector<std::uint16_t> neighbours_;  ///< How many each region has (precedence.h).
   HomeLines home_lines_;
   std::size_t largest_cluster_ = 0;  ///< As of the last decision, if it was asked.
   /// Of bodies that are not hosted here; valid within migrate().

@@ -188,8 +188,8 @@ MigrationDecision RegionCore::decide(Tick now) {
                                 .view = whole ? nullptr : &hosted_bodies_.strip(),
                                 .sleepers = hosted_bodies_.sleepers(),
                                 .awake = awake_everywhere_,
-                                .order = {load_levels_.in_force(now)},
-                                .order_before = {load_levels_.in_force_before(now)},
+                                .order = {load_levels_.in_force(now), neighbours_},
+                                .order_before = {load_levels_.in_force_before(now), neighbours_},
                                 .map_margin_m = home_lines_.margin_m(),
                                 .asks_largest = load_levels_.is_to_choose(now)});
     if (!decision.sees_too_little) break;

@@ -60,6 +60,11 @@ inline double reach_time_s(const AuraTolerances& tolerances) {
   return static_cast<double>(reach_ticks(tolerances)) * (tick_us / 1e6);
 }
 
+/// Where three regions meet only what is faster than this (m/s), or may start at once, reckons with
+/// a tick to spare: what a tick decides there is whether something comes down on sleepers. What is
+/// slower makes up the heaps, and hangs together the more the further it looks ahead.
+inline constexpr double spare_from_mps = 6;
+
 /// Hosts of auras are told of what lies so near to them (m), and as far as their bodies can get in
 /// the reach time (auras grow in one step when something comes in the way of a body): so far a body
 /// gets while the one server hears of an aura and tells of its own.

@@ -30,20 +30,26 @@ AuraCapsule Outlook::own_aura(const HostedBody& body, double duration_s) const {
 /// was and the hardest one makes it.
 AuraCapsule Outlook::struck(std::uint32_t number) const {
   const HostedBody& body = stage_.body(number);
+  const double sudden = sudden_mps(body);
+  const double reach_s = sudden > 0 ? reach_s_ : slow_reach_s_;
   const AuraCapsule along =
       struck_aura(body, number < own_auras_.size() ? own_auras_[number] : resting_aura(body),
-                  forecast_.way(number), reach_s_);
-  const double sudden = sudden_mps(body);
+                  forecast_.way(number), reach_s);
   const double alone_s =
-      sudden > 0 ? 0.0 : std::clamp(forecast_.left_alone_s(number), 0.0, reach_s_);
+      sudden > 0 ? 0.0 : std::clamp(forecast_.left_alone_s(number), 0.0, reach_s);
   const double own_mps = number < moving_mps_.size() ? std::max(moving_mps_[number], 0.0) : 0.0;
   const double fastest_mps = std::max(own_mps, sudden) + forecast_.struck(number);
   const AuraCapsule anywhere =
-      struck_aura(body, own_aura(body, alone_s), fastest_mps * (reach_s_ - alone_s), reach_s_);
+      struck_aura(body, own_aura(body, alone_s), fastest_mps * (reach_s - alone_s), reach_s);
   return smaller(along, anywhere);
 }
 
 void Outlook::look(const MigrationSituation& s) {
+  const double spare_s = s.map.has_corners() ? spare_ticks * (tick_us / 1e6) : 0.0;
+  if (reach_s_ - spare_s != slow_reach_s_) {
+    slow_reach_s_ = reach_s_ - spare_s;
+    blows_ = BlowForecast(slow_reach_s_);
+  }
   stage_.begin(s);
   moving_mps_.clear();
   own_auras_.clear();
@@ -51,7 +57,8 @@ void Outlook::look(const MigrationSituation& s) {
     // What has just stopped may start again: it counts as moving, if only a little.
     moving_mps_.push_back(lies_still(body) ? -1.0
                                            : std::max(body.motion_speed_mps, still_speed_mps));
-    AuraCapsule aura = own_auras_.emplace_back(own_aura(body, reach_s_));
+    AuraCapsule aura = own_auras_.emplace_back(
+        own_aura(body, body.motion_speed_mps > spare_from_mps ? reach_s_ : slow_reach_s_));
     // A deed starts at once, and in any direction; so does what geometry turns.
     if (const double sudden = sudden_mps(body); sudden > 0)
       aura = struck_aura(body, aura, sudden * reach_s_, reach_s_);

@@ -18,13 +18,10 @@ namespace aureole {
 class Outlook {
  public:
   /// \param reach_s  reach_time_s() of the world's tolerances
-  explicit Outlook(double reach_s) : reach_s_(reach_s), blows_(reach_s) {}
+  explicit Outlook(double reach_s) : reach_s_(reach_s), slow_reach_s_(reach_s), blows_(reach_s) {}
 
   /// From the next look on.
-  void set_reach(double reach_s) {
-    reach_s_ = reach_s;
-    blows_ = BlowForecast(reach_s);
-  }
+  void set_reach(double reach_s) { reach_s_ = reach_s; }
   void look(const MigrationSituation& situation);
 
   /// Who is on the stage.
@@ -65,6 +62,7 @@ class Outlook {
   void look_at_others(std::span<const RemoteAura> remote);
 
   double reach_s_;
+  double slow_reach_s_;  ///< Of what is slow, and for blows; as of the last look (spare_from_mps).
   Stage stage_;
   std::vector<AuraCapsule> own_auras_;  ///< Of each of `hosted`, if it is left alone.
   std::vector<AuraBox> remote_boxes_;

@@ -3,6 +3,7 @@
 
 #include "server/aura/adaptive/aura_size.h"
 #include "tests/unit/aura/adaptive_scene.h"
+#include "tests/unit/aura/aura_maps.h"
 
 using namespace aureole;
 using namespace aureole::adaptive_scene;
@@ -55,6 +56,22 @@ TEST_CASE("a ball that strikes something may go anywhere from there, as fast as 
           REQUIRE(holds(room, at, 0.3));
         }
     }
+}
+
+TEST_CASE("where three regions meet what is slow does not look ahead a tick to spare") {
+  const auto reach_m = [](double speed, const PartitionMap& map) {
+    Scene scene;
+    scene.map = map;
+    scene.hosted = {rolling(speed)};
+    Outlook outlook(reach_s);
+    outlook.look({Tick{0}, RegionId{0}, scene.map, scene.hosted, {}, {}, scene.linked});
+    const AuraBox box = outlook.box(0);
+    return box.centre.x() + box.half.x();
+  };
+  const double tick_m = tick_us / 1e6 * spare_ticks;
+  const double slow = 0.9 * spare_from_mps, fast = 1.1 * spare_from_mps;
+  CHECK(reach_m(slow, columns(3)) - reach_m(slow, aura_maps::quarters()) > 0.9 * slow * tick_m);
+  CHECK(reach_m(fast, columns(3)) == reach_m(fast, aura_maps::quarters()));
 }
 
 TEST_CASE("what is overtaken goes on faster than it was and faster than the blow alone would be") {
