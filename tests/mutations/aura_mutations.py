@@ -268,8 +268,8 @@ MUTATIONS = [
         "struck-on-its-way",
         "what strikes something reaches as if it went on along its way until then only",
         "server/aura/adaptive/outlook.cpp",
-        "      sudden > 0 ? 0.0 : std::clamp(forecast_.left_alone_s(number), 0.0, reach_s_);\n",
-        "      reach_s_;\n",
+        "      sudden > 0 ? 0.0 : std::clamp(forecast_.left_alone_s(number), 0.0, reach_s);\n",
+        "      reach_s;\n",
         ((AURA, "a ball that strikes something may go anywhere from there, as fast as it came"),),
     ),
     Mutation(
@@ -295,6 +295,22 @@ MUTATIONS = [
         "    if (!levels.empty() && levels[a.value] != levels[b.value])",
         "    if (levels.size() > 1000 && levels[a.value] != levels[b.value])",
         ((AURA, "where three meet all go to the one at the lowest level"),),
+    ),
+    Mutation(
+        "crowded-first",
+        "of two servers the one that meets others at more places may come first",
+        "server/aura/precedence.h",
+        "      return neighbours[a.value] < neighbours[b.value];\n",
+        "      return neighbours[a.value] > neighbours[b.value];\n",
+        ((AURA, "of two servers the one with fewer neighbours comes first, whatever it has to do"),),
+    ),
+    Mutation(
+        "no-tick-to-spare",
+        "where three regions meet what comes down fast has no tick to spare",
+        "server/aura/adaptive/outlook.cpp",
+        "body.motion_speed_mps > spare_from_mps ? reach_s_ : slow_reach_s_",
+        "slow_reach_s_",
+        ((AURA, "where three regions meet what is slow does not look ahead a tick to spare"),),
     ),
     Mutation(
         "led-on-by-order",
