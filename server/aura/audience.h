@@ -21,6 +21,7 @@ class RegionSet {
   void remove(RegionId region) { bits_ &= ~bit(region); }
   bool contains(RegionId region) const { return (bits_ & bit(region)) != 0; }
   bool empty() const { return bits_ == 0; }
+  bool holds_several() const { return std::popcount(bits_) > 1; }
   void add(RegionSet others) { bits_ |= others.bits_; }
   /// The one with the lowest number. The set must not be empty.
   RegionId lowest() const;

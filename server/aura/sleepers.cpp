@@ -1,7 +1,7 @@
 // Coming and going.
 #include "server/aura/sleepers.h"
 
-#include "server/aura/adaptive/aura_size.h"
+#include "server/aura/adaptive/outlook/aura_size.h"
 
 namespace aureole {
 

@@ -1,16 +1,14 @@
-// Keeps links to all peers: accepts, dials with back-off, introduces, measures, hands frames on.
+// Keeps links to all peers: accepts, introduces, measures, hands frames on.
 #include "server/net/peer_links.h"
 
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <boost/asio/connect.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <deque>
 #include <map>
-#include <random>
 
 #include "protocol/wire.h"
 #include "server/net/handshake.h"
@@ -24,9 +22,6 @@ using boost::system::error_code;
 using namespace std::chrono_literals;
 
 constexpr auto handshake_time = 3s;
-constexpr auto dial_pause_min = 50ms;
-constexpr auto dial_pause_max = 2000ms;
-constexpr auto quiet_pause = 400ms;
 /// Links are measured often at first, so that the clock is right soon, and steadily afterwards.
 constexpr auto measure_pause_first = 20ms;
 constexpr auto measure_pause = 250ms;
@@ -38,27 +33,11 @@ constexpr std::size_t strangers_max = 256;
 
 }  // namespace
 
-std::int64_t monotonic_us() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
 struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
   struct Established {
     std::shared_ptr<Link> link;
     std::deque<std::int64_t> round_trips_us;
     std::int64_t heard_us = 0;
-  };
-  struct Dialler {
-    PeerAddress address;
-    tcp::resolver resolver;
-    boost::asio::steady_timer timer;
-    std::shared_ptr<tcp::socket> connecting;  ///< Closed by stop(): a try may last for minutes.
-    std::chrono::milliseconds pause = dial_pause_min;
-    std::string last_failure;  ///< Said once, not at each try.
-    Dialler(boost::asio::io_context& io, PeerAddress at)
-        : address(std::move(at)), resolver(io), timer(io) {}
   };
   using DiallerPtr = std::shared_ptr<Dialler>;
 
@@ -74,7 +53,6 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
   std::map<PeerId, Established> peers;
   std::map<PeerId, Incarnation> met;
   std::map<Link*, std::shared_ptr<Link>> strangers;  ///< In their handshake.
-  std::minstd_rand jitter{std::random_device{}()};
   bool stopped = false;
 
   Impl(boost::asio::io_context& context, PeerLinksOptions o, WorldClock& c, Events e)
@@ -88,7 +66,7 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
 
   bool dials(PeerId peer) const {
     return std::any_of(diallers.begin(), diallers.end(),
-                       [&](const DiallerPtr& d) { return d->address.peer == peer; });
+                       [&](const DiallerPtr& d) { return d->peer() == peer; });
   }
   bool running() const { return events.running && events.running(); }
   Incarnation met_before(PeerId peer) const {
@@ -119,43 +97,24 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
 
   // ---- Dialling --------------------------------------------------------------------------------
 
-  void dial(const DiallerPtr& dialler) {
-    if (stopped || peers.contains(dialler->address.peer)) return;
-    dialler->resolver.async_resolve(
-        dialler->address.at.host, std::to_string(dialler->address.at.port),
-        [self = shared_from_this(), dialler](const error_code& ec, auto found) {
-          if (self->stopped) return;
-          if (ec) return self->dial_later(dialler, ec.message());
-          auto socket = std::make_shared<tcp::socket>(self->io);
-          dialler->connecting = socket;
-          boost::asio::async_connect(
-              *socket, found, [self, dialler, socket](const error_code& e, const tcp::endpoint&) {
-                dialler->connecting.reset();
-                if (self->stopped) return;
-                if (e) return self->dial_later(dialler, e.message());
-                self->introduce(
-                    std::make_shared<Link>(std::move(*socket), self->options.max_queued_bytes),
-                    dialler);
-              });
-        });
-  }
-
-  void dial_later(const DiallerPtr& dialler, const std::string& why) {
-    if (stopped) return;
-    // Servers that start together miss each other a few times; only a longer absence is news.
-    if (why != dialler->last_failure && dialler->pause >= quiet_pause) {
-      spdlog::info("{} at {}:{} does not answer yet ({}); trying on",
-                   describe(dialler->address.peer), dialler->address.at.host,
-                   dialler->address.at.port, why);
-      dialler->last_failure = why;
-    }
-    const auto pause = dialler->pause.count();
-    dialler->timer.expires_after(std::chrono::milliseconds(
-        pause / 2 + std::uniform_int_distribution<std::int64_t>(0, pause / 2)(jitter)));
-    dialler->pause = std::min(dialler->pause * 2, std::chrono::milliseconds(dial_pause_max));
-    dialler->timer.async_wait([self = shared_from_this(), dialler](const error_code& ec) {
-      if (!ec) self->dial(dialler);
-    });
+  void dial(const PeerAddress& address) {
+    const std::weak_ptr<Impl> weak = shared_from_this();
+    diallers.push_back(std::make_shared<Dialler>(
+        io, address,
+        Dialler::Events{
+            [weak, peer = address.peer] {
+              const auto self = weak.lock();
+              return self && !self->peers.contains(peer);
+            },
+            [weak](const DiallerPtr& dialler, tcp::socket socket) {
+              const auto self = weak.lock();
+              if (!self) return;
+              self->introduce(
+                  std::make_shared<Link>(std::move(socket), self->options.max_queued_bytes),
+                  dialler);
+            },
+        }));
+    diallers.back()->dial();
   }
 
   // ---- Handshake -------------------------------------------------------------------------------
@@ -187,7 +146,7 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
             self->ended(link, *peer, dialler, reason);
         },
     });
-    if (dialler) link->send(make_hello(options, met_before(dialler->address.peer), running()));
+    if (dialler) link->send(make_hello(options, met_before(dialler->peer()), running()));
   }
 
   /// Judges the other side's first frame; sets `known`, or closes the link.
@@ -196,17 +155,17 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
     if (frame.type == FrameType::refusal) {
       const std::string reason = read_refusal(frame);
       if (dialler) {
-        dialler->pause = dial_pause_max;
-        if (events.refused) events.refused(dialler->address.peer, reason);
+        dialler->note_refused();
+        if (events.refused) events.refused(dialler->peer(), reason);
       }
       return link->close("it refused us: " + reason);
     }
     auto introduction = frame.type == FrameType::hello
                             ? read_hello(frame, options)
                             : Result<Introduction>(Error{"the first message is no hello"});
-    if (introduction && dialler && introduction->peer != dialler->address.peer)
+    if (introduction && dialler && introduction->peer != dialler->peer())
       introduction = Error::format("{} answered where {} was expected: check the addresses",
-                                   describe(introduction->peer), describe(dialler->address.peer));
+                                   describe(introduction->peer), describe(dialler->peer()));
     // Else a stranger under that name would take the place of the link that we keep up.
     if (introduction && !dialler && dials(introduction->peer))
       introduction =
@@ -216,16 +175,13 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
           Error::format("{} {} is known", newer_start_known, describe(introduction->peer));
     if (!introduction) {
       spdlog::warn("refused the server at {}: {}", link->remote(), introduction.error().message);
-      if (dialler) dialler->pause = dial_pause_max;
+      if (dialler) dialler->note_refused();
       return link->close_after(make_refusal(introduction.error().message),
                                introduction.error().message);
     }
     const PeerId peer = introduction->peer;
     if (!dialler) link->send(make_hello(options, met_before(peer), running()));
-    if (dialler) {
-      dialler->pause = dial_pause_min;
-      dialler->last_failure.clear();
-    }
+    if (dialler) dialler->note_met();
     known = peer;
     establish(peer, link, introduction->hello);
   }
@@ -258,7 +214,7 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
         events.down(*peer, reason);
       }
     }
-    if (dialler) dial_later(dialler, reason);
+    if (dialler) dialler->dial_later(reason);
   }
 
   // ---- Established -----------------------------------------------------------------------------
@@ -356,11 +312,7 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
     acceptor.close(ec);
     accept_timer.cancel();
     measure_timer.cancel();
-    for (const auto& dialler : diallers) {
-      dialler->resolver.cancel();
-      dialler->timer.cancel();
-      if (dialler->connecting) dialler->connecting->close(ec);
-    }
+    for (const auto& dialler : diallers) dialler->stop();
     for (const auto& [peer, established] : std::map(peers)) established.link->close("stopping");
     for (const auto& [raw, link] : std::map(strangers)) link->close("stopping");
     peers.clear();
@@ -393,10 +345,7 @@ Result<std::uint16_t> PeerLinks::listen(const Endpoint& at) {
 }
 
 void PeerLinks::start() {
-  for (const auto& address : impl_->options.dial) {
-    impl_->diallers.push_back(std::make_shared<Impl::Dialler>(impl_->io, address));
-    impl_->dial(impl_->diallers.back());
-  }
+  for (const auto& address : impl_->options.dial) impl_->dial(address);
 }
 
 void PeerLinks::stop() {

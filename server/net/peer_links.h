@@ -12,15 +12,11 @@
 #include "protocol/frame.h"
 #include "server/base/ids.h"
 #include "server/base/result.h"
+#include "server/net/dialler.h"
 #include "server/net/endpoint.h"
 #include "server/net/world_clock.h"
 
 namespace aureole {
-
-struct PeerAddress {
-  PeerId peer;
-  Endpoint at;
-};
 
 /// What the other side said of itself.
 struct PeerHello {
@@ -33,7 +29,7 @@ struct PeerLinksOptions {
   PeerId self;
   Incarnation incarnation;
   std::uint64_t world_hash = 0;
-  std::vector<PeerAddress> dial;  ///< Dialled again for ever, 50 ms to 2 s apart.
+  std::vector<PeerAddress> dial;  ///< Dialled again for ever.
   /// Frames queued towards one peer; past it the link is reset, and whatever must not be lost is
   /// sent again by the journal.
   std::size_t max_queued_bytes = 64u << 20;
@@ -81,8 +77,5 @@ class PeerLinks {
   struct Impl;
   std::shared_ptr<Impl> impl_;
 };
-
-/// Monotonic time of this machine (µs).
-std::int64_t monotonic_us();
 
 }  // namespace aureole

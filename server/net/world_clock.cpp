@@ -2,6 +2,7 @@
 #include "server/net/world_clock.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 
 namespace aureole {
@@ -11,6 +12,12 @@ constexpr std::size_t samples_kept = 16;
 constexpr std::int64_t jump_us = 100'000;
 
 }  // namespace
+
+std::int64_t monotonic_us() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
 
 void WorldClock::start_as_reference(std::int64_t local_us, std::int64_t world_us) {
   // A follower that takes over goes on with the time it has: the world's clock never steps.

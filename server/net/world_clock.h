@@ -10,6 +10,9 @@
 
 namespace aureole {
 
+/// Monotonic time of this machine (µs).
+std::int64_t monotonic_us();
+
 /// The region with the lowest id that is linked is the reference; all others follow it. Pure: the
 /// caller reads the clock. Every time is in µs.
 class WorldClock {

@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "server/aura/adaptive/aura_size.h"
+#include "server/aura/adaptive/outlook/aura_size.h"
 #include "server/aura/audience.h"
 #include "server/base/leap.h"
 #include "server/region/region_core.h"

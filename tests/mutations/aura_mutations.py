@@ -14,7 +14,7 @@ MUTATIONS = [
     Mutation(
         "symmetric-rule",
         "of two servers whose bodies meet each sends its own to the other",
-        "server/aura/adaptive/contests.cpp",
+        "server/aura/adaptive/contests/contests.cpp",
         "      if (order.before(other, self)) continue;  // It decides.\n",
         "      if (order.before(other, self)) {\n        all.push_back(conclude(contest, other, crowded));\n"
         "        continue;\n      }\n",
@@ -42,7 +42,7 @@ MUTATIONS = [
     Mutation(
         "all-stand-ins",
         "every foreign body is a stand-in, whether it rests or moves",
-        "server/aura/adaptive/outlook.h",
+        "server/aura/adaptive/outlook/outlook.h",
         "  bool rests(std::uint32_t number) const { return expected_mps(number) <= 0; }",
         "  bool rests(std::uint32_t) const { return true; }",
         ((REGION, "two balls that fly at each other over a boundary bounce off as on one server"),
@@ -51,7 +51,7 @@ MUTATIONS = [
     Mutation(
         "blow-forecast",
         "blows are not passed on through contacts",
-        "server/aura/adaptive/blow_forecast.cpp",
+        "server/aura/adaptive/outlook/blow_forecast.cpp",
         "  if (s.contacts != nullptr) pass_on();\n",
         "",
         ((AURA, "what will be struck through a row of contacts goes along before the blow"),
@@ -68,7 +68,7 @@ MUTATIONS = [
     Mutation(
         "overtaken-requests",
         "requests are met that cannot know that the cluster must not change its owner again",
-        "server/aura/adaptive/contests.cpp",
+        "server/aura/adaptive/contests/contests.cpp",
         "      situation_->now - settled_since(asked_for) < round_trip_ticks_ &&",
         "      false &&",
         ((AURA, "a request that cannot know that its cluster has changed twice waits*"),),
@@ -84,7 +84,7 @@ MUTATIONS = [
     Mutation(
         "led-on",
         "whom others have followed goes on to a server that nobody meets yet",
-        "server/aura/adaptive/contests.cpp",
+        "server/aura/adaptive/contests/contests.cpp",
         "      if (followed && !meets_earlier) to = self;\n",
         "",
         ((AURA, "who has been followed is not led on*"),),
@@ -92,7 +92,7 @@ MUTATIONS = [
     Mutation(
         "touched-sleepers",
         "a blow is not passed on to sleepers that nothing else has found",
-        "server/aura/adaptive/stage.cpp",
+        "server/aura/adaptive/outlook/stage.cpp",
         "    if (known == none) known = number_of(situation_->contacts->body_in(slot)).value_or(none);\n",
         "",
         ((AURA, "a decision is the same whether who sleeps is among the hosted bodies or apart"),),
@@ -132,7 +132,7 @@ MUTATIONS = [
     Mutation(
         "met-halfway",
         "what has been asked for and is on its way is met halfway",
-        "server/aura/adaptive/contests.cpp",
+        "server/aura/adaptive/contests/contests.cpp",
         "    if (to != self && order.before(self, other))\n",
         "    if (to != self && order.before(other, self))\n",
         (
@@ -144,7 +144,7 @@ MUTATIONS = [
     Mutation(
         "insisting",
         "what has been refused is waited for as if it were on its way",
-        "server/aura/adaptive/promises.cpp",
+        "server/aura/adaptive/contests/promises.cpp",
         "  return !settled_since && !joined_by_ours &&",
         "  return !joined_by_ours &&",
         ((AURA, "what has changed twice since it was asked for was refused, and is met there"),),
@@ -152,7 +152,7 @@ MUTATIONS = [
     Mutation(
         "told-by-another",
         "who is told that a cluster must not change its owner again counts for all of the cluster",
-        "server/aura/adaptive/contests.cpp",
+        "server/aura/adaptive/contests/contests.cpp",
         " settled_since(outlook_->body(body).id);",
         "\n    for (const auto member : clusters_->members(cluster)) settled_since(outlook_->body(member).id);",
         ((AURA, "a request for what nobody was told of waits though its cluster has long changed twice"),),
@@ -160,7 +160,7 @@ MUTATIONS = [
     Mutation(
         "joined-unawares",
         "what something of ours has come to is waited for as if it were on its way",
-        "server/aura/adaptive/promises.cpp",
+        "server/aura/adaptive/contests/promises.cpp",
         "  return !settled_since && !joined_by_ours &&",
         "  return !settled_since &&",
         ((AURA, "what is sure to come is waited for, though something of ours went to the other side"),),
@@ -168,7 +168,7 @@ MUTATIONS = [
     Mutation(
         "stale-request",
         "what is asked for anew is waited for no longer than what was asked for first",
-        "server/aura/adaptive/promises.cpp",
+        "server/aura/adaptive/contests/promises.cpp",
         "  const bool left_out = now - promise.at > decision_ticks;\n",
         "  const bool left_out = now < promise.at;\n",
         ((AURA, "what is asked for anew after it was left out is waited for as long as at first"),),
@@ -176,7 +176,7 @@ MUTATIONS = [
     Mutation(
         "theirs-as-ours",
         "what stayed with its host counts as something of ours that has come to it",
-        "server/aura/adaptive/promises.cpp",
+        "server/aura/adaptive/contests/promises.cpp",
         " && promise->ours &&\n",
         " &&\n",
         ((AURA, "what has been given to the server that had it anyway joins nothing there"),),
@@ -184,7 +184,7 @@ MUTATIONS = [
     Mutation(
         "first-refusal-stays",
         "what has been refused for a reason now known is waited for from when it was asked for first",
-        "server/aura/adaptive/promises.cpp",
+        "server/aura/adaptive/contests/promises.cpp",
         " || (settled && !promise.settled)) promise = fresh;",
          ") promise = fresh;",
         ((AURA, "what is asked for by who knows now what it was refused for is waited for"),),
@@ -192,7 +192,7 @@ MUTATIONS = [
     Mutation(
         "swapped-places",
         "what is near to what has been asked for is met halfway, though it may come along",
-        "server/aura/adaptive/promises.cpp",
+        "server/aura/adaptive/contests/promises.cpp",
         "  if (coming_.empty()) return false;\n",
         "  if (coming_.size() + 1 > 0) return false;\n",
         ((AURA, "what may have become part of what comes here is asked for too, not met halfway"),),
@@ -200,7 +200,7 @@ MUTATIONS = [
     Mutation(
         "late-follower",
         "what is asked for again is followed to whoever came to it, however long ago that was",
-        "server/aura/adaptive/contests.cpp",
+        "server/aura/adaptive/contests/contests.cpp",
         "  if (gave && (gave_lately || !asked)) return other;",
         "  if (gave) return other;",
         ((AURA, "nobody follows what went to a cluster whose neighbour is asked for*"),),
@@ -224,7 +224,7 @@ MUTATIONS = [
     Mutation(
         "fixed-line",
         "the line between two servers stays where it is, however much one has to do",
-        "server/aura/adaptive/contests.cpp",
+        "server/aura/adaptive/contests/contests.cpp",
         "  return distance(other) - distance(self) < shift_m ? other : self;",
         "  return distance(other) - distance(self) < 0 * shift_m ? other : self;",
         (
@@ -235,7 +235,7 @@ MUTATIONS = [
     Mutation(
         "turned-around",
         "so much is given away that the other server has more to do",
-        "server/aura/adaptive/load_balance.cpp",
+        "server/aura/adaptive/contests/load_balance.cpp",
         "  if (more > 0 ? here.contested > more : there.contested > -more) return 0;\n",
         "",
         ((AURA, "the line is not shifted for so many bodies that the other one would have more to do"),),
@@ -259,7 +259,7 @@ MUTATIONS = [
     Mutation(
         "calm-world-abroad",
         "lines are shifted, and what was lent stays abroad, though nobody has much to do any more",
-        "server/aura/adaptive/load_balance.cpp",
+        "server/aura/adaptive/contests/load_balance.cpp",
         " || std::max(here.awake, there.awake) < much) return 0;",
         ") return 0;",
         ((AURA, "a server that has little to do, or says nothing, shifts no line"),),
@@ -267,7 +267,7 @@ MUTATIONS = [
     Mutation(
         "struck-on-its-way",
         "what strikes something reaches as if it went on along its way until then only",
-        "server/aura/adaptive/outlook.cpp",
+        "server/aura/adaptive/outlook/outlook.cpp",
         "      sudden > 0 ? 0.0 : std::clamp(forecast_.left_alone_s(number), 0.0, reach_s);\n",
         "      reach_s;\n",
         ((AURA, "a ball that strikes something may go anywhere from there, as fast as it came"),),
@@ -275,7 +275,7 @@ MUTATIONS = [
     Mutation(
         "falls-over",
         "what stands on level ground does not fall over",
-        "server/aura/adaptive/aura_size.cpp",
+        "server/aura/adaptive/outlook/aura_size.cpp",
         "  if (drop_m >= falls_m) return falls_m;\n",
         "  if (drop_m >= 0) return 0;\n",
         ((AURA, "what lies on level ground sinks no further*"),),
@@ -283,7 +283,7 @@ MUTATIONS = [
     Mutation(
         "settled-insists",
         "a request waits although its asker, too, has changed as often as it should",
-        "server/aura/adaptive/contests.cpp",
+        "server/aura/adaptive/contests/contests.cpp",
         "      !meets_settled(cluster, asker))\n",
         "      true)\n",
         ((AURA, "a request by a server whose side has changed twice as well is met at once"),),
@@ -307,7 +307,7 @@ MUTATIONS = [
     Mutation(
         "no-tick-to-spare",
         "where three regions meet what comes down fast has no tick to spare",
-        "server/aura/adaptive/outlook.cpp",
+        "server/aura/adaptive/outlook/outlook.cpp",
         "body.motion_speed_mps > spare_from_mps ? reach_s_ : slow_reach_s_",
         "slow_reach_s_",
         ((AURA, "where three regions meet what is slow does not look ahead a tick to spare"),),
@@ -315,7 +315,7 @@ MUTATIONS = [
     Mutation(
         "led-on-by-order",
         "what has come to the one that was first a second ago goes on when the order changes",
-        "server/aura/adaptive/contests.cpp",
+        "server/aura/adaptive/contests/contests.cpp",
         "      if (was != to && has_moved_to(contest, was) && !has_moved_to(contest, to)) to = was;\n",
         "",
         ((AURA, "what has come to the one that was first a second ago does not go on at once"),),

@@ -14,11 +14,11 @@
 #include <map>
 #include <set>
 
-#include "server/aura/adaptive/aura_size.h"
 #include "server/aura/adaptive/clusters.h"
-#include "server/aura/adaptive/contests.h"
+#include "server/aura/adaptive/contests/contests.h"
 #include "server/aura/adaptive/homecoming.h"
-#include "server/aura/adaptive/outlook.h"
+#include "server/aura/adaptive/outlook/aura_size.h"
+#include "server/aura/adaptive/outlook/outlook.h"
 #include "server/aura/adaptive/visitors.h"
 #include "server/aura/audience.h"
 #include "server/aura/migration_policy.h"

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "server/aura/adaptive/outlook.h"
+#include "server/aura/adaptive/outlook/outlook.h"
 #include "server/aura/migration_policy.h"
 
 namespace aureole {

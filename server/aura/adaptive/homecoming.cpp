@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <map>
 
-#include "server/aura/adaptive/aura_size.h"
-#include "server/aura/adaptive/contests.h"
-#include "server/aura/adaptive/load_balance.h"
+#include "server/aura/adaptive/contests/contests.h"
+#include "server/aura/adaptive/contests/load_balance.h"
+#include "server/aura/adaptive/outlook/aura_size.h"
 
 namespace aureole {
 namespace {

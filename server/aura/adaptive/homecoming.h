@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "server/aura/adaptive/aura_size.h"
 #include "server/aura/adaptive/clusters.h"
-#include "server/aura/adaptive/outlook.h"
+#include "server/aura/adaptive/outlook/aura_size.h"
+#include "server/aura/adaptive/outlook/outlook.h"
 #include "server/aura/migration_policy.h"
 
 namespace aureole {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "server/aura/adaptive/aura_size.h"
+#include "server/aura/adaptive/outlook/aura_size.h"
 #include "server/aura/shapes/aura_radius.h"
 #include "server/base/ids.h"
 #include "server/base/tick.h"

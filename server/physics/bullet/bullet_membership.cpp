@@ -98,18 +98,15 @@ void BulletWorld::erase_all(std::span<BulletBody* const> all) {
 }
 
 void BulletWorld::moved_by_hand(BulletBody& body, Wake wake) {
-  btManifoldArray scratch;
-  std::vector<btPersistentManifold*> manifolds;
-  for_each_pair(*this, body, [&](btCollisionObject& object, const btBroadphasePair& pair) {
-    if (!has_contact_points(pair, scratch)) return;
-    BulletBody* other = body_of(&object);
+  for (btPersistentManifold* manifold : body.manifolds) {
+    if (manifold->getNumContacts() == 0) continue;
+    const bool first = manifold->getBody0() == &body.rigid;
+    BulletBody* other = body_of(first ? manifold->getBody1() : manifold->getBody0());
     if (wake == Wake::touching && other && !other->immovable()) other->rigid.activate(true);
-    for (int m = 0; m < scratch.size(); ++m) manifolds.push_back(scratch[m]);
-  });
-  // Points that no longer hold would carry a sleeping body for ever.
-  for (btPersistentManifold* manifold : manifolds)
+    // Points that no longer hold would carry a sleeping body for ever.
     manifold->refreshContactPoints(manifold->getBody0()->getWorldTransform(),
                                    manifold->getBody1()->getWorldTransform());
+  }
   world_.updateSingleAabb(&body.rigid);
 }
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/aura/adaptive/aura_size.h"
+#include "server/aura/adaptive/outlook/aura_size.h"
 
 namespace aureole {
 

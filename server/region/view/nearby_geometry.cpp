@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "server/aura/adaptive/aura_size.h"
+#include "server/aura/adaptive/outlook/aura_size.h"
 
 namespace aureole {
 

@@ -1,7 +1,7 @@
 // The adaptive mode's decisions, one look at a time: who goes, who is told, what a blow reaches.
 #include <algorithm>
 
-#include "server/aura/adaptive/aura_size.h"
+#include "server/aura/adaptive/outlook/aura_size.h"
 #include "tests/support/catch.h"
 #include "tests/unit/aura/adaptive_scene.h"
 
@@ -176,7 +176,8 @@ TEST_CASE("what lies at home is told to those it reaches, what lies abroad to al
   REQUIRE(told_of(scene.decide(), name(0)) == regions({2, 3}));
 }
 
-TEST_CASE("in a row, too, who does not know where others' lines are tells those who may be reached") {
+TEST_CASE(
+    "in a row, too, who does not know where others' lines are tells those who may be reached") {
   Scene scene;
   const auto column = [](double from, double to) { return Rectangle{from, -inf, to, inf}; };
   scene.map = PartitionMap({column(-inf, 0), column(0, 100), column(100, inf)});

@@ -1,5 +1,5 @@
 // What a body can touch: rooms of rest, flight and blows against what really moves.
-#include "server/aura/adaptive/aura_size.h"
+#include "server/aura/adaptive/outlook/aura_size.h"
 
 #include "tests/support/catch.h"
 

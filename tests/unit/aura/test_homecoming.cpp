@@ -1,5 +1,5 @@
 // Who goes home, with whom, and what holds them back.
-#include "server/aura/adaptive/aura_size.h"
+#include "server/aura/adaptive/outlook/aura_size.h"
 #include "tests/support/catch.h"
 #include "tests/unit/aura/adaptive_scene.h"
 

@@ -1,5 +1,5 @@
 // Who gets what two servers contest where one has more to do than the other.
-#include "server/aura/adaptive/load_balance.h"
+#include "server/aura/adaptive/contests/load_balance.h"
 #include "tests/support/catch.h"
 #include "tests/unit/aura/adaptive_scene.h"
 

@@ -1,7 +1,7 @@
 // What a body that strikes something may touch, against what can really become of it.
-#include "server/aura/adaptive/outlook.h"
+#include "server/aura/adaptive/outlook/outlook.h"
 
-#include "server/aura/adaptive/aura_size.h"
+#include "server/aura/adaptive/outlook/aura_size.h"
 #include "tests/unit/aura/adaptive_scene.h"
 #include "tests/unit/aura/aura_maps.h"
 

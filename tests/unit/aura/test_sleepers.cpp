@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "server/aura/adaptive/aura_size.h"
+#include "server/aura/adaptive/outlook/aura_size.h"
 #include "tests/support/catch.h"
 #include "tests/unit/aura/adaptive_scene.h"
 

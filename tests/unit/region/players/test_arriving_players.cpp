@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/aura/adaptive/aura_size.h"
+#include "server/aura/adaptive/outlook/aura_size.h"
 #include "tests/support/catch.h"
 #include "tests/support/region_cluster.h"
 

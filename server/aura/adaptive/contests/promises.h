@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/aura/adaptive/aura_size.h"
+#include "server/aura/adaptive/outlook/aura_size.h"
 #include "server/aura/migration_policy.h"
 #include "server/aura/shapes/box_rows.h"
 

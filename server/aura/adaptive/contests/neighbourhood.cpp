@@ -1,11 +1,11 @@
 // Regions by their areas, servers by the auras that they project.
-#include "server/aura/adaptive/neighbourhood.h"
+#include "server/aura/adaptive/contests/neighbourhood.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "server/aura/adaptive/aura_size.h"
 #include "server/aura/adaptive/homecoming.h"
+#include "server/aura/adaptive/outlook/aura_size.h"
 
 namespace aureole {
 
@@ -116,12 +116,17 @@ bool Neighbourhood::is_crowded(Clusters::Number cluster) {
         (rooms_of_hosts_[k] && rooms_of_hosts_[k]->overlaps(*room)))
       near.add(region);
   }
-  if (near.empty()) return false;
-  near.remove(near.lowest());
-  if (near.empty()) return false;
-  RegionSet others = of(cluster);
-  if (!others.empty()) others.remove(others.lowest());
-  return !others.empty();
+  if (!near.holds_several()) return false;
+  if (of_cluster_.size() <= cluster) of_cluster_.resize(clusters_->size());
+  if (of_cluster_[cluster]) return of_cluster_[cluster]->holds_several();
+  // Of a large cluster the first few members tell.
+  RegionSet around;
+  for (const std::uint32_t member : clusters_->members(cluster)) {
+    add_around(room_of(member, look), look, around);
+    if (around.holds_several()) return true;
+  }
+  of_cluster_[cluster] = around;
+  return false;
 }
 
 }  // namespace aureole

@@ -1,11 +1,11 @@
 // Contested clusters, and the arbiter's rule.
-#include "server/aura/adaptive/contests.h"
+#include "server/aura/adaptive/contests/contests.h"
 
 #include <algorithm>
 #include <bit>
 
-#include "server/aura/adaptive/aura_size.h"
-#include "server/aura/adaptive/load_balance.h"
+#include "server/aura/adaptive/contests/load_balance.h"
+#include "server/aura/adaptive/outlook/aura_size.h"
 
 namespace aureole {
 namespace {
@@ -320,9 +320,7 @@ std::vector<Contests::Verdict> Contests::verdicts() {
       neighbourhood_.add_around(aura->room.box(), moved ? far_around : near_by, others);
     }
     const RegionId other = order.first(others);
-    RegionSet third = others;
-    third.remove(other);
-    crowded = crowded || !third.empty();
+    crowded = crowded || others.holds_several();
     RegionId to = order.first(other, self);
     if (crowded) {
       // Whoever has come after us once is not led on to a server that nobody meets yet.

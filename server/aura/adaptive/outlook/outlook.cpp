@@ -1,9 +1,9 @@
 // Auras by motion first, then by the blows that these foretell.
-#include "server/aura/adaptive/outlook.h"
+#include "server/aura/adaptive/outlook/outlook.h"
 
 #include <algorithm>
 
-#include "server/aura/adaptive/aura_size.h"
+#include "server/aura/adaptive/outlook/aura_size.h"
 
 namespace aureole {
 namespace {

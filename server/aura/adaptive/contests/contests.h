@@ -6,11 +6,11 @@
 #include <utility>
 #include <vector>
 
-#include "server/aura/adaptive/aura_size.h"
 #include "server/aura/adaptive/clusters.h"
-#include "server/aura/adaptive/neighbourhood.h"
-#include "server/aura/adaptive/outlook.h"
-#include "server/aura/adaptive/promises.h"
+#include "server/aura/adaptive/contests/neighbourhood.h"
+#include "server/aura/adaptive/contests/promises.h"
+#include "server/aura/adaptive/outlook/aura_size.h"
+#include "server/aura/adaptive/outlook/outlook.h"
 #include "server/aura/adaptive/visitors.h"
 #include "server/aura/audience.h"
 #include "server/aura/migration_policy.h"

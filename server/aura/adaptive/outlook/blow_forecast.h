@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "server/aura/adaptive/stage.h"
+#include "server/aura/adaptive/outlook/stage.h"
 #include "server/aura/migration_policy.h"
 
 namespace aureole {

@@ -1,5 +1,5 @@
 // A line that gives way to who has less to do.
-#include "server/aura/adaptive/load_balance.h"
+#include "server/aura/adaptive/contests/load_balance.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // Coming on the stage, and finding who is on it.
-#include "server/aura/adaptive/stage.h"
+#include "server/aura/adaptive/outlook/stage.h"
 
 #include <algorithm>
 #include <numeric>

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "server/aura/adaptive/blow_forecast.h"
-#include "server/aura/adaptive/stage.h"
+#include "server/aura/adaptive/outlook/blow_forecast.h"
+#include "server/aura/adaptive/outlook/stage.h"
 #include "server/aura/migration_policy.h"
 #include "server/aura/shapes/box_rows.h"
 

@@ -1,10 +1,10 @@
 // Blows from what moves, through contacts, until they are too weak to matter.
-#include "server/aura/adaptive/blow_forecast.h"
+#include "server/aura/adaptive/outlook/blow_forecast.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "server/aura/adaptive/aura_size.h"
+#include "server/aura/adaptive/outlook/aura_size.h"
 
 namespace aureole {
 namespace {

@@ -1,5 +1,5 @@
 // Rooms for rest, for free flight, and for everything else.
-#include "server/aura/adaptive/aura_size.h"
+#include "server/aura/adaptive/outlook/aura_size.h"
 
 #include <algorithm>
 #include <cmath>

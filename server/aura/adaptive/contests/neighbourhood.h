@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "server/aura/adaptive/clusters.h"
-#include "server/aura/adaptive/outlook.h"
+#include "server/aura/adaptive/outlook/outlook.h"
 #include "server/aura/audience.h"
 #include "server/aura/migration_policy.h"
 

@@ -1,5 +1,5 @@
 // Giving, and reckoning what has come of it by what others tell.
-#include "server/aura/adaptive/promises.h"
+#include "server/aura/adaptive/contests/promises.h"
 
 #include <algorithm>
 
