@@ -27,7 +27,9 @@ inline constexpr PrototypeId ball{0}, box{1}, plank{2}, avatar_prototype{3};
 class RegionCluster {
  public:
   /// Messages take `delay_ticks` whole ticks (0: they are there before the next step).
+  /// `world` must outlive it.
   explicit RegionCluster(const WorldDefinition& world, int delay_ticks = 0);
+  explicit RegionCluster(WorldDefinition&& world, int delay_ticks = 0) = delete;
 
   void step(int ticks = 1);
   Tick now() const { return now_; }

@@ -40,7 +40,9 @@ std::chrono::duration<double> seconds(double s) {
 
 }  // namespace
 
-struct ViewClient::Impl : std::enable_shared_from_this<Impl> {
+/// Its handlers wait in the loop that it owns: they must not own it. They are over, or gone with
+/// the loop, before it is.
+struct ViewClient::Impl {
   explicit Impl(ViewClientOptions o) : options(std::move(o)), ws(io) {}
 
   ViewClientOptions options;
@@ -68,27 +70,26 @@ struct ViewClient::Impl : std::enable_shared_from_this<Impl> {
   bool ended = false;
 
   void queue(std::string text, bool binary) {
-    asio::post(io, [self = shared_from_this(), text = std::move(text), binary]() mutable {
-      self->outgoing.push_back({std::move(text), binary});
-      self->write();
+    asio::post(io, [this, text = std::move(text), binary]() mutable {
+      outgoing.push_back({std::move(text), binary});
+      write();
     });
   }
   void write() {
     if (writing || outgoing.empty() || stalled) return;
     writing = true;
     ws.binary(outgoing.front().binary);
-    ws.async_write(asio::buffer(outgoing.front().text),
-                   [self = shared_from_this()](error_code e, std::size_t) {
-                     self->writing = false;
-                     self->outgoing.pop_front();
-                     if (!e) self->write();
-                   });
+    ws.async_write(asio::buffer(outgoing.front().text), [this](error_code e, std::size_t) {
+      writing = false;
+      outgoing.pop_front();
+      if (!e) write();
+    });
   }
   void read() {
-    ws.async_read(buffer, [self = shared_from_this()](error_code e, std::size_t) {
-      if (e) return self->end();
-      self->take();
-      if (!self->stalled) self->read();
+    ws.async_read(buffer, [this](error_code e, std::size_t) {
+      if (e) return end();
+      take();
+      if (!stalled) read();
     });
   }
   void take() {
@@ -138,7 +139,7 @@ struct ViewClient::Impl : std::enable_shared_from_this<Impl> {
 };
 
 ViewClient::ViewClient(ViewClientOptions options)
-    : impl_(std::make_shared<Impl>(std::move(options))) {}
+    : impl_(std::make_unique<Impl>(std::move(options))) {}
 
 ViewClient::~ViewClient() {
   impl_->work.reset();
@@ -164,7 +165,7 @@ Status ViewClient::connect() {
   if (e) return Error::format("the WebSocket was refused: {}", e.message());
   client.ws.set_option(websocket::stream_base::timeout::suggested(beast::role_type::client));
   client.read();
-  client.thread = std::thread([impl = impl_] { impl->io.run(); });
+  client.thread = std::thread([impl = impl_.get()] { impl->io.run(); });
   if (!client.options.joins) return Ok{};
   const std::string token = client.options.token.empty()
                                 ? std::string{}
@@ -187,11 +188,11 @@ void ViewClient::send_input(std::uint32_t seq, unsigned keys, double yaw, double
 }
 
 void ViewClient::stall() {
-  asio::post(impl_->io, [impl = impl_] { impl->stalled = true; });
+  asio::post(impl_->io, [impl = impl_.get()] { impl->stalled = true; });
 }
 
 void ViewClient::drop() {
-  asio::post(impl_->io, [impl = impl_] {
+  asio::post(impl_->io, [impl = impl_.get()] {
     error_code ignored;
     impl->ws.next_layer().socket().close(ignored);
   });

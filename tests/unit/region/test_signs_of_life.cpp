@@ -88,7 +88,8 @@ TEST_CASE("a word to a peer far away whose tick was left out is said in the next
 }
 
 TEST_CASE("servers that are far apart do not miss the words that they do not say") {
-  RegionCluster cluster(flat_world(3, 100), 1);
+  const WorldDefinition world = flat_world(3, 100);
+  RegionCluster cluster(world, 1);
   for (int i = 0; i < 100; ++i) {
     cluster.step();
     for (int server = 0; server < 3; ++server)

@@ -265,7 +265,8 @@ TEST_CASE("two regions at rest hear each other in every step and stay inside eve
 }
 
 TEST_CASE("a region whose links take longer than they may says so from the first late word on") {
-  RegionCluster cluster(flat_world(2), 2);
+  const WorldDefinition world = flat_world(2);
+  RegionCluster cluster(world, 2);
   std::size_t said = 0;
   for (int i = 0; i < 20; ++i) {
     cluster.step();
