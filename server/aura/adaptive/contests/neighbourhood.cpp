@@ -116,17 +116,7 @@ bool Neighbourhood::is_crowded(Clusters::Number cluster) {
         (rooms_of_hosts_[k] && rooms_of_hosts_[k]->overlaps(*room)))
       near.add(region);
   }
-  if (!near.holds_several()) return false;
-  if (of_cluster_.size() <= cluster) of_cluster_.resize(clusters_->size());
-  if (of_cluster_[cluster]) return of_cluster_[cluster]->holds_several();
-  // Of a large cluster the first few members tell.
-  RegionSet around;
-  for (const std::uint32_t member : clusters_->members(cluster)) {
-    add_around(room_of(member, look), look, around);
-    if (around.holds_several()) return true;
-  }
-  of_cluster_[cluster] = around;
-  return false;
+  return near.holds_several() && of(cluster).holds_several();
 }
 
 }  // namespace aureole
