@@ -20,8 +20,8 @@ struct PeerAddress {
   Endpoint at;
 };
 
-/// Tries lie 50 ms to 2 s apart, each of them within half of its pause by chance, so that servers
-/// that start together do not stay in step. Runs on the io_context's one thread. Owned by a
+/// Tries lie 50 ms to 2 s apart, less up to half of that by chance, so that servers that start
+/// together do not stay in step. Runs on the io_context's one thread. Owned by a
 /// shared_ptr: a try that is under way keeps it.
 class Dialler : public std::enable_shared_from_this<Dialler> {
  public:

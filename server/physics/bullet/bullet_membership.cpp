@@ -100,8 +100,7 @@ void BulletWorld::erase_all(std::span<BulletBody* const> all) {
 void BulletWorld::moved_by_hand(BulletBody& body, Wake wake) {
   for (btPersistentManifold* manifold : body.manifolds) {
     if (manifold->getNumContacts() == 0) continue;
-    const bool first = manifold->getBody0() == &body.rigid;
-    BulletBody* other = body_of(first ? manifold->getBody1() : manifold->getBody0());
+    BulletBody* other = other_of(*manifold, body);
     if (wake == Wake::touching && other && !other->immovable()) other->rigid.activate(true);
     // Points that no longer hold would carry a sleeping body for ever.
     manifold->refreshContactPoints(manifold->getBody0()->getWorldTransform(),

@@ -51,12 +51,11 @@ float squared_distance_to_box(const btVector3& p, const btVector3& low, const bt
   return (p - nearest).length2();
 }
 
-/// The body or stand-in that `body` shares a manifold with; null for static geometry.
-const BulletBody* other_of(const btPersistentManifold& manifold, const BulletBody& body) {
+}  // namespace
+
+BulletBody* other_of(const btPersistentManifold& manifold, const BulletBody& body) {
   return body_of(manifold.getBody0() == &body.rigid ? manifold.getBody1() : manifold.getBody0());
 }
-
-}  // namespace
 
 void for_each_pair(BulletWorld& world, const BulletBody& body,
                    const std::function<void(btCollisionObject&, const btBroadphasePair&)>& visit) {

@@ -14,6 +14,9 @@ namespace aureole {
 void for_each_pair(BulletWorld& world, const BulletBody& body,
                    const std::function<void(btCollisionObject&, const btBroadphasePair&)>& visit);
 
+/// The body or stand-in that `body` shares a manifold with; null for static geometry.
+BulletBody* other_of(const btPersistentManifold& manifold, const BulletBody& body);
+
 std::vector<BodyId> bodies_touching(BulletWorld& world, const BulletBody& body);
 /// Replaces `found` by the slots of the bodies that share a contact point with `body`, ascending.
 /// Returns how many it touches, stand-ins included; a compound stand-in may count more than once.
