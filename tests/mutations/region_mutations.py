@@ -191,6 +191,14 @@ MUTATIONS = [
          (REGION, "what leans on a stand-in and gets another one may find its level anew")),
     ),
     Mutation(
+        "flickering-contact",
+        "a contact that Bullet loses for a step counts as a blow when it is found again",
+        "server/region/stand_ins/stand_in_watch.cpp",
+        "still && flickered ?",
+        "still && false ?",
+        ((REGION, "a contact that is lost for a step in which the body falls is no blow when it lies still"),),
+    ),
+    Mutation(
         "hasty-arrival",
         "an idle player who has just come throws before anybody near has heard",
         "server/region/players/players.cpp",

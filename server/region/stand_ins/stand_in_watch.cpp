@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "server/aura/adaptive/outlook/aura_size.h"
+
 namespace aureole {
 namespace {
 
@@ -40,15 +42,16 @@ bool StandInWatch::may_shift(BodyId body, Tick now) const {
   return at != cut_anew_.end() && now - at->second < settling_ticks;
 }
 
-void StandInWatch::judge(const StandInLoad& load, Tick now, bool still, double mass_kg) {
+void StandInWatch::judge(const StandInLoad& load, Tick now, bool still, const Masses& masses) {
   const auto [at, fresh] = pairs_.try_emplace({load.stand_in, load.body});
   Pair& pair = at->second;
   if (fresh) {
     pair.first = now;
     pair.cut_at_rest = still;
   }
+  const bool flickered = !fresh && now - pair.last == 2;
   pair.last = now;
-  const double rise_mps = double{load.impulse_ns - pair.base_ns} / mass_kg;
+  const double rise_mps = double{load.impulse_ns - pair.base_ns} / masses.stand_in_kg;
   const bool settling = pair.cut_at_rest && now - pair.first < settling_ticks;
   if (settling && (fresh || rise_mps < blow_mps)) {
     pair.base_ns = std::max(pair.base_ns, load.impulse_ns);
@@ -60,8 +63,10 @@ void StandInWatch::judge(const StandInLoad& load, Tick now, bool still, double m
     pair.shifted_ns = std::max(pair.shifted_ns, load.impulse_ns);
     return;
   }
+  const double fell_ns = still && flickered ? masses.body_kg * gravity_mps2 * tick_s : 0;
   const double struck_mps =
-      double{load.impulse_ns - std::max(pair.base_ns, pair.shifted_ns)} / mass_kg;
+      (double{load.impulse_ns - std::max(pair.base_ns, pair.shifted_ns)} - fell_ns) /
+      masses.stand_in_kg;
   if (struck_mps <= missed_mps || pair.struck) return;
   pair.struck = true;
   ++struck_;

@@ -45,6 +45,7 @@ struct Watched {
     const NewBody other{stand_in, box, {}};
     physics.add_stand_ins({&other, 1});
   }
+  double body_kg() const { return double{table[physics.prototype(ours).value].mass_kg}; }
   void add(PrototypeId prototype, WorldPosition at, Eigen::Vector3f velocity = {0, 0, 0}) {
     NewBody body{ours, prototype, {}};
     body.state.position = at;
@@ -74,7 +75,7 @@ struct Watched {
       now = now + 1;
       watch.look(
           physics, now, [&](BodyId id) { return still.contains(id); },
-          [&](BodyId) { return stand_in_kg; });
+          [&](BodyId id) { return id == ours ? body_kg() : stand_in_kg; });
       all_struck.insert(all_struck.end(), watch.struck_now().begin(), watch.struck_now().end());
     }
   }
@@ -280,6 +281,27 @@ TEST_CASE("a pair that was apart for a moment is the same pair; one that was gon
   };
   CHECK(struck_after_gap(0.25) == 1);  // It is back in the fourth step.
   CHECK(struck_after_gap(2.0) == 2);   // In the 25th.
+}
+
+TEST_CASE(
+    "a contact that is lost for a step in which the body falls is no blow when it lies still") {
+  // So high that Bullet finds no contact in one step, and in the next the body is back.
+  const auto struck_by = [](bool still, float falls_mps) {
+    Watched scene = cut_at_rest(heavy_box);
+    scene.step(40);
+    REQUIRE(scene.watch.struck() == 0);
+    if (!still) scene.still.clear();
+    const WorldPosition lay = scene.physics.position(ours);
+    scene.throw_from({lay.x, lay.y + 0.05, lay.z}, {0, 0, 0});
+    scene.step();
+    scene.throw_from(lay, {0, -falls_mps, 0});
+    scene.step();
+    return scene.watch.struck();
+  };
+  constexpr auto fell_mps = static_cast<float>(9.81 * tick_s);
+  CHECK(struck_by(true, fell_mps) == 0);
+  CHECK(struck_by(false, fell_mps) == 1);
+  CHECK(struck_by(true, 3 * fell_mps) == 1);
 }
 
 TEST_CASE("a pair that was gone has no base any more") {
