@@ -20,7 +20,7 @@ namespace aureole {
 /// Levels are 3 % apart for an order of servers, and one is left only for a load that is a whole
 /// level away, and by more bodies than hang together: what nobody can share out would go to and
 /// fro. Every term that changes the order costs changes of owner. Shorter terms do not even out any
-/// better, longer ones less (docs/performance.md).
+/// better, longer ones less (docs/tried.md).
 class LoadLevels {
  public:
   static constexpr std::int64_t term_ticks = 128;
