@@ -1,7 +1,7 @@
 // Who goes home, with whom, and what holds them back.
 #include "server/aura/adaptive/outlook/aura_size.h"
 #include "tests/support/catch.h"
-#include "tests/unit/aura/adaptive_scene.h"
+#include "tests/unit/aura/adaptive/adaptive_scene.h"
 
 using namespace aureole;
 using namespace aureole::adaptive_scene;

@@ -1,6 +1,6 @@
 // Another server asks for a body: when it gets it, with its cluster, and when it has to wait.
 #include "tests/support/catch.h"
-#include "tests/unit/aura/adaptive_scene.h"
+#include "tests/unit/aura/adaptive/adaptive_scene.h"
 
 using namespace aureole;
 using namespace aureole::adaptive_scene;

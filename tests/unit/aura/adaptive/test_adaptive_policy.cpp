@@ -3,7 +3,7 @@
 
 #include "server/aura/adaptive/outlook/aura_size.h"
 #include "tests/support/catch.h"
-#include "tests/unit/aura/adaptive_scene.h"
+#include "tests/unit/aura/adaptive/adaptive_scene.h"
 
 using namespace aureole;
 using namespace aureole::adaptive_scene;

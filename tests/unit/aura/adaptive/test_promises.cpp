@@ -1,6 +1,6 @@
 // What has been asked for, or given, and is on its way: who waits for it, and for how long.
 #include "tests/support/catch.h"
-#include "tests/unit/aura/adaptive_scene.h"
+#include "tests/unit/aura/adaptive/adaptive_scene.h"
 
 using namespace aureole;
 using namespace aureole::adaptive_scene;

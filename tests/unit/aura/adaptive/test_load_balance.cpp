@@ -1,7 +1,7 @@
 // Who gets what two servers contest where one has more to do than the other.
 #include "server/aura/adaptive/contests/load_balance.h"
 #include "tests/support/catch.h"
-#include "tests/unit/aura/adaptive_scene.h"
+#include "tests/unit/aura/adaptive/adaptive_scene.h"
 
 using namespace aureole;
 using namespace aureole::adaptive_scene;

@@ -1,6 +1,6 @@
 // A third server is near: who gets what meets then.
 #include "tests/support/catch.h"
-#include "tests/unit/aura/adaptive_scene.h"
+#include "tests/unit/aura/adaptive/adaptive_scene.h"
 
 using namespace aureole;
 using namespace aureole::adaptive_scene;

@@ -1,7 +1,7 @@
 // Who gets bodies that two servers must bring together: the arbiter's decisions, one look at a
 // time.
 #include "tests/support/catch.h"
-#include "tests/unit/aura/adaptive_scene.h"
+#include "tests/unit/aura/adaptive/adaptive_scene.h"
 
 using namespace aureole;
 using namespace aureole::adaptive_scene;

@@ -2,7 +2,7 @@
 #include "server/aura/adaptive/outlook/outlook.h"
 
 #include "server/aura/adaptive/outlook/aura_size.h"
-#include "tests/unit/aura/adaptive_scene.h"
+#include "tests/unit/aura/adaptive/adaptive_scene.h"
 #include "tests/unit/aura/aura_maps.h"
 
 using namespace aureole;
