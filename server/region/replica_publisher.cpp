@@ -157,7 +157,10 @@ SharedBytes ReplicaPublisher::update(Tick now, const PhysicsWorld& world,
   std::sort(due_.begin(), due_.end());
   due_.erase(std::unique(due_.begin(), due_.end()), due_.end());
   for (const NewBody& body : world.awake()) {
-    look_at_sleepers(round, body.id);
+    // Seldom is anybody between one who is awake and the next.
+    const bool is_next = next_followed < followed_.size() && !followed_[next_followed].lost &&
+                         followed_[next_followed].id == body.id;
+    if (!is_next || next_due < due_.size()) look_at_sleepers(round, body.id);
     if (next_followed < followed_.size() && followed_[next_followed].id == body.id) {
       follow(round, body, still_followed_.emplace_back(followed_[next_followed++]));
       continue;
