@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "server/base/result.h"
-#include "server/net/peer_links.h"
+#include "server/net/links/dialler.h"
 
 namespace aureole {
 

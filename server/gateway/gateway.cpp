@@ -12,6 +12,7 @@
 #include "server/gateway/web/api.h"
 #include "server/gateway/web/http_server.h"
 #include "server/gateway/web/static_files.h"
+#include "server/net/world_clock.h"
 
 namespace aureole {
 namespace {

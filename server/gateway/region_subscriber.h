@@ -12,7 +12,7 @@
 
 #include "protocol/wire.h"
 #include "server/gateway/pictures/draw_clock.h"
-#include "server/net/peer_links.h"
+#include "server/net/links/peer_links.h"
 #include "server/net/world_clock.h"
 #include "server/region/lines/home_lines.h"
 #include "server/region/tolerances/tolerances.h"

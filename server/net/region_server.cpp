@@ -10,7 +10,7 @@
 #include <cmath>
 #include <optional>
 
-#include "server/net/handshake.h"
+#include "server/net/links/handshake.h"
 #include "server/net/tolerance_log.h"
 #include "server/ops/frame_statistics.h"
 #include "server/region/region_core.h"

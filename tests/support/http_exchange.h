@@ -4,7 +4,7 @@
 #include <string>
 
 #include "server/base/result.h"
-#include "server/net/peer_links.h"
+#include "server/net/endpoint.h"
 
 namespace aureole::test {
 

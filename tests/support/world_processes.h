@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "server/net/peer_links.h"
+#include "server/net/links/peer_links.h"
 #include "server/play/child_process.h"
 #include "server/region/players/avatar.h"
 #include "server/replica/replica_store.h"

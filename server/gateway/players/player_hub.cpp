@@ -10,7 +10,7 @@
 #include "server/gateway/players/picking.h"
 #include "server/gateway/players/player_token.h"
 #include "server/gateway/players/seat.h"
-#include "server/net/peer_links.h"
+#include "server/net/world_clock.h"
 
 namespace aureole {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "server/net/peer_links.h"
+#include "server/net/world_clock.h"
 
 namespace aureole {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "server/base/result.h"
 #include "server/gateway/web/connection.h"
-#include "server/net/peer_links.h"
+#include "server/net/endpoint.h"
 
 namespace aureole {
 

@@ -16,6 +16,8 @@
 #include <mutex>
 #include <thread>
 
+#include "server/net/world_clock.h"
+
 namespace aureole {
 namespace {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "server/base/result.h"
-#include "server/net/peer_links.h"
+#include "server/net/endpoint.h"
 
 namespace aureole {
 

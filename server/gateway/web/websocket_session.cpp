@@ -9,7 +9,7 @@
 #include <deque>
 #include <optional>
 
-#include "server/net/peer_links.h"
+#include "server/net/world_clock.h"
 
 namespace aureole {
 namespace {

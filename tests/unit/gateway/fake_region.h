@@ -12,7 +12,7 @@
 
 #include "protocol/wire.h"
 #include "server/base/ids.h"
-#include "server/net/peer_links.h"
+#include "server/net/links/peer_links.h"
 #include "server/net/world_clock.h"
 #include "server/worlds/world.h"
 

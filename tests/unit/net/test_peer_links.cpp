@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "protocol/wire.h"
-#include "server/net/handshake.h"
-#include "server/net/peer_links.h"
+#include "server/net/links/handshake.h"
+#include "server/net/links/peer_links.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;

@@ -1,5 +1,5 @@
 // Keeps links to all peers: accepts, introduces, measures, hands frames on.
-#include "server/net/peer_links.h"
+#include "server/net/links/peer_links.h"
 
 #include <spdlog/spdlog.h>
 
@@ -11,8 +11,8 @@
 #include <map>
 
 #include "protocol/wire.h"
-#include "server/net/handshake.h"
-#include "server/net/link.h"
+#include "server/net/links/handshake.h"
+#include "server/net/links/link.h"
 
 namespace aureole {
 namespace {

@@ -1,5 +1,5 @@
 // Reading and writing frames over one TCP connection.
-#include "server/net/link.h"
+#include "server/net/links/link.h"
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/post.hpp>

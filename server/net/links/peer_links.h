@@ -12,8 +12,8 @@
 #include "protocol/frame.h"
 #include "server/base/ids.h"
 #include "server/base/result.h"
-#include "server/net/dialler.h"
 #include "server/net/endpoint.h"
+#include "server/net/links/dialler.h"
 #include "server/net/world_clock.h"
 
 namespace aureole {

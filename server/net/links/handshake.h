@@ -3,7 +3,7 @@
 
 #include "protocol/frame.h"
 #include "server/base/result.h"
-#include "server/net/peer_links.h"
+#include "server/net/links/peer_links.h"
 
 namespace aureole {
 

@@ -1,5 +1,5 @@
 // Hello and refusal: building them, and judging the other side's.
-#include "server/net/handshake.h"
+#include "server/net/links/handshake.h"
 
 #include "protocol/wire.h"
 

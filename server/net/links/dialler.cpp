@@ -1,5 +1,5 @@
 // Resolving, connecting, and the pauses between tries.
-#include "server/net/dialler.h"
+#include "server/net/links/dialler.h"
 
 #include <spdlog/spdlog.h>
 
@@ -7,7 +7,7 @@
 #include <boost/asio/connect.hpp>
 #include <utility>
 
-#include "server/net/handshake.h"
+#include "server/net/links/handshake.h"
 
 namespace aureole {
 namespace {
