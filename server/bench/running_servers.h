@@ -5,7 +5,7 @@
 
 #include "server/bench/bench.h"
 #include "server/experiment/simulation.h"
-#include "server/measure/measured_run.h"
+#include "server/measure/measured/measured_run.h"
 
 namespace aureole {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "server/bench/bench.h"
-#include "server/measure/measured_run.h"
+#include "server/measure/measured/measured_run.h"
 
 namespace aureole {
 

@@ -9,7 +9,7 @@
 #include "server/base/tick.h"
 #include "server/experiment/random.h"
 #include "server/experiment/scenario/scenario.h"
-#include "server/measure/workload.h"
+#include "server/measure/workload/workload.h"
 #include "server/worlds/injector.h"
 
 namespace aureole {

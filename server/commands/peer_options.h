@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "server/base/result.h"
-#include "server/net/links/dialler.h"
+#include "server/net/endpoint.h"
 
 namespace aureole {
 

@@ -9,7 +9,7 @@
 
 #include "server/base/ids.h"
 #include "server/base/result.h"
-#include "server/net/links/dialler.h"
+#include "server/net/endpoint.h"
 #include "server/worlds/world.h"
 
 namespace aureole {

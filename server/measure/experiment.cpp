@@ -7,10 +7,10 @@
 #include <iterator>
 #include <optional>
 
-#include "server/measure/bare_worlds.h"
-#include "server/measure/cold_caches.h"
 #include "server/measure/judgement.h"
-#include "server/measure/region_servers.h"
+#include "server/measure/measured/bare_worlds.h"
+#include "server/measure/measured/cold_caches.h"
+#include "server/measure/measured/region_servers.h"
 #include "server/measure/report.h"
 
 namespace aureole {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "server/base/result.h"
-#include "server/measure/workload.h"
+#include "server/measure/workload/workload.h"
 
 namespace aureole {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "server/measure/region_servers.h"
+#include "server/measure/measured/region_servers.h"
 #include "server/measure/run_record.h"
 #include "server/measure/wire_census.h"
 

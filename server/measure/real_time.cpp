@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/measure/run_record.h"
-#include "server/measure/workload_file.h"
+#include "server/measure/workload/workload_file.h"
 #include "server/ops/http_get.h"
 #include "server/ops/ports.h"
 #include "server/ops/snapshot_file.h"

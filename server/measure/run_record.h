@@ -7,7 +7,7 @@
 
 #include "server/aura/shapes/aura_radius.h"
 #include "server/base/tick.h"
-#include "server/measure/measured_run.h"
+#include "server/measure/measured/measured_run.h"
 
 namespace aureole {
 

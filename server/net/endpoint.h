@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "server/base/ids.h"
 #include "server/base/result.h"
 
 namespace aureole {
@@ -14,5 +15,11 @@ struct Endpoint {
   std::uint16_t port = 0;
 };
 Result<Endpoint> parse_endpoint(const std::string& text);
+
+/// Which server listens there.
+struct PeerAddress {
+  PeerId peer;
+  Endpoint at;
+};
 
 }  // namespace aureole

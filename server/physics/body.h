@@ -90,6 +90,7 @@ struct ContactManifold {
 struct StandInLoad {
   BodyId stand_in;
   BodyId body;
+  PrototypeId stand_in_prototype{}, body_prototype{};
   float impulse_ns = 0;  ///< Sum along the normals over all points of the last step (N s).
   friend bool operator==(const StandInLoad&, const StandInLoad&) = default;
 };

@@ -153,10 +153,7 @@ std::span<const HostedBody> RegionCore::look_at_hosted(Tick now, bool whole) {
 void RegionCore::watch_stand_ins(Tick now) {
   stand_in_watch_.look(
       hosting_.physics(), now, [&](BodyId body) { return hosting_.lies_still(body, now); },
-      [&](BodyId id) {
-        const PhysicsWorld& physics = hosting_.physics();
-        const PrototypeId prototype =
-            physics.is_stand_in(id) ? physics.stand_in(id).prototype : physics.prototype(id);
+      [&](PrototypeId prototype) {
         return double{hosting_.definitions()[prototype.value].mass_kg};
       });
   constexpr std::int64_t look_around_ticks = 512;

@@ -157,11 +157,13 @@ SharedBytes ReplicaPublisher::update(Tick now, const PhysicsWorld& world,
   std::sort(due_.begin(), due_.end());
   due_.erase(std::unique(due_.begin(), due_.end()), due_.end());
   for (const NewBody& body : world.awake()) {
+    const auto is_followed = [&] {
+      return next_followed < followed_.size() && followed_[next_followed].id == body.id &&
+             !followed_[next_followed].lost;
+    };
     // Seldom is anybody between one who is awake and the next.
-    const bool is_next = next_followed < followed_.size() && !followed_[next_followed].lost &&
-                         followed_[next_followed].id == body.id;
-    if (!is_next || next_due < due_.size()) look_at_sleepers(round, body.id);
-    if (next_followed < followed_.size() && followed_[next_followed].id == body.id) {
+    if (!is_followed() || next_due < due_.size()) look_at_sleepers(round, body.id);
+    if (is_followed()) {
       follow(round, body, still_followed_.emplace_back(followed_[next_followed++]));
       continue;
     }

@@ -15,11 +15,6 @@
 
 namespace aureole {
 
-struct PeerAddress {
-  PeerId peer;
-  Endpoint at;
-};
-
 /// Tries lie 50 ms to 2 s apart, less up to half of that by chance, so that servers that start
 /// together do not stay in step. Runs on the io_context's one thread. Owned by a
 /// shared_ptr: a try that is under way keeps it.

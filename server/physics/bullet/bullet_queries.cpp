@@ -104,7 +104,7 @@ void append_loads(const BulletBody& stand_in, std::vector<StandInLoad>& loads) {
     float sum = 0;
     for (int p = 0; p < manifold->getNumContacts(); ++p)
       sum += manifold->getContactPoint(p).getAppliedImpulse();
-    loads.push_back({stand_in.id, body->id, sum});
+    loads.push_back({stand_in.id, body->id, stand_in.prototype, body->prototype, sum});
   }
   // A compound pair has several manifolds. Sums of floats depend on their order: that of the sums
   // themselves is the same however the manifolds stand.

@@ -24,8 +24,8 @@ namespace aureole {
 /// weight and that of what lies on it, from one step to the next, while nothing moves. What gets
 /// another one is held between things that do not give way. Whoever lies still is pressed then, so
 /// that both sides come together, but has struck nothing. Nor has who lies still and has fallen for
-/// a single step, because Bullet lost their contact for so long and then found it again (seen on
-/// capsules in a heap): the next step has its weight twice, 0.157 m/s more than it had.
+/// a single step, because Bullet lost their contact for so long and then found it again (seen in a
+/// heap): the next step bears its weight twice.
 class StandInWatch {
  public:
   /// The body would not count as still any more: a weaker blow leaves it at rest.
@@ -39,7 +39,7 @@ class StandInWatch {
   static constexpr double blow_mps = 1.0;
   static constexpr std::int64_t pressed_ticks = 32;
 
-  /// `still`: whether the body on our side lies still; `mass_kg`: of a body or a stand-in here.
+  /// `still`: whether the body on our side lies still; `mass_kg` of a prototype.
   template <class IsStill, class MassOf>
   void look(const PhysicsWorld& physics, Tick now, IsStill&& still, MassOf&& mass_kg) {
     loads_.clear();
@@ -47,7 +47,8 @@ class StandInWatch {
     if (!physics.stand_in_ids().empty()) physics.stand_in_loads(loads_);
     note_cut(physics.stand_in_ids(), now);
     for (const StandInLoad& load : loads_)
-      judge(load, now, still(load.body), {mass_kg(load.body), mass_kg(load.stand_in)});
+      judge(load, now, still(load.body),
+            {mass_kg(load.body_prototype), mass_kg(load.stand_in_prototype)});
     forget(now);
   }
 

@@ -1,5 +1,5 @@
 // The limits that servers are measured against: worlds that hand bodies over, worlds that do not.
-#include "server/measure/bare_worlds.h"
+#include "server/measure/measured/bare_worlds.h"
 
 #include "server/experiment/scenario/scenario.h"
 #include "tests/support/catch.h"

@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "server/measure/bare_worlds.h"
-#include "server/measure/cold_caches.h"
-#include "server/measure/region_servers.h"
+#include "server/measure/measured/bare_worlds.h"
+#include "server/measure/measured/cold_caches.h"
+#include "server/measure/measured/region_servers.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;

@@ -5,8 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "server/measure/measured_run.h"
-#include "server/measure/workload.h"
+#include "server/measure/measured/measured_run.h"
+#include "server/measure/workload/workload.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;

@@ -3,8 +3,8 @@
 
 #include <numeric>
 
-#include "server/measure/region_servers.h"
-#include "server/measure/workload.h"
+#include "server/measure/measured/region_servers.h"
+#include "server/measure/workload/workload.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;

@@ -1,9 +1,9 @@
 // A workload's world as a file: read back, it is the same world.
-#include "server/measure/workload_file.h"
+#include "server/measure/workload/workload_file.h"
 
 #include <nlohmann/json.hpp>
 
-#include "server/measure/workload.h"
+#include "server/measure/workload/workload.h"
 #include "server/worlds/injector.h"
 #include "server/worlds/world_file.h"
 #include "tests/support/catch.h"

@@ -1,5 +1,5 @@
 // Where the paper's bodies come into which regions.
-#include "server/measure/workload.h"
+#include "server/measure/workload/workload.h"
 
 #include <algorithm>
 #include <cmath>

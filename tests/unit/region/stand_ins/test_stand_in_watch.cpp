@@ -11,15 +11,17 @@ using namespace aureole;
 
 namespace {
 
-constexpr PrototypeId ball{0}, box{1}, heavy_box{2};
+/// Two boxes and a ball of ours, and what stand-ins are: a box, too, of 1 kg unless said otherwise.
+constexpr PrototypeId ball{0}, box{1}, heavy_box{2}, theirs{3};
 const BodyId stand_in = BodyId::world(0);
 const BodyId ours = BodyId::world(1);
 const BodyId second = BodyId::world(2);
 
 std::vector<BodyDefinition> definitions() {
-  std::vector<BodyDefinition> table(3);
+  std::vector<BodyDefinition> table(4);
   table[ball.value].shape = SphereShape{0.5f};
-  table[box.value].shape = table[heavy_box.value].shape = BoxShape{{0.5f, 0.5f, 0.5f}};
+  for (const PrototypeId one : {box, heavy_box, theirs})
+    table[one.value].shape = BoxShape{{0.5f, 0.5f, 0.5f}};
   table[heavy_box.value].mass_kg = 10;
   for (BodyDefinition& one : table) one.restitution = 0;
   return table;
@@ -31,21 +33,19 @@ PhysicsSettings weightless() {
   return settings;
 }
 
-/// A box of another server's at the origin, of 1 kg unless said otherwise, and the watch over it.
+/// A box of another server's at the origin, and the watch over it.
 struct Watched {
   std::vector<BodyDefinition> table = definitions();
   PhysicsWorld physics;
   StandInWatch watch;
   Tick now{100};
   std::set<BodyId> still;
-  double stand_in_kg = 1;
   std::vector<StandInWatch::Struck> all_struck;  ///< Of every look, in order.
 
   explicit Watched(const PhysicsSettings& settings = {}) : physics(settings, table, {}, 16) {
-    const NewBody other{stand_in, box, {}};
+    const NewBody other{stand_in, theirs, {}};
     physics.add_stand_ins({&other, 1});
   }
-  double body_kg() const { return double{table[physics.prototype(ours).value].mass_kg}; }
   void add(PrototypeId prototype, WorldPosition at, Eigen::Vector3f velocity = {0, 0, 0}) {
     NewBody body{ours, prototype, {}};
     body.state.position = at;
@@ -54,7 +54,7 @@ struct Watched {
   }
   /// Another box of another server's.
   void put_second(WorldPosition at) {
-    NewBody other{second, box, {}};
+    NewBody other{second, theirs, {}};
     other.state.position = at;
     physics.add_stand_ins({&other, 1});
   }
@@ -75,7 +75,7 @@ struct Watched {
       now = now + 1;
       watch.look(
           physics, now, [&](BodyId id) { return still.contains(id); },
-          [&](BodyId id) { return id == ours ? body_kg() : stand_in_kg; });
+          [&](PrototypeId one) { return double{table[one.value].mass_kg}; });
       all_struck.insert(all_struck.end(), watch.struck_now().begin(), watch.struck_now().end());
     }
   }
@@ -166,7 +166,7 @@ TEST_CASE("a load that rises by more than what leaves a resting body at rest is 
 
 TEST_CASE("the same push counts by what it would do to the stand-in's mass") {
   Watched scene = cut_at_rest();
-  scene.stand_in_kg = 20;
+  scene.table[theirs.value].mass_kg = 20;
   scene.step(40);
   scene.step(10, push_for(0.3));
   CHECK(scene.watch.struck() == 0);

@@ -1,5 +1,5 @@
 // Bodies come, worlds step, and what has crossed a boundary changes its world or does not.
-#include "server/measure/bare_worlds.h"
+#include "server/measure/measured/bare_worlds.h"
 
 #include <map>
 

@@ -1,5 +1,5 @@
 // The fault simulation without faults, at an even pace.
-#include "server/measure/region_servers.h"
+#include "server/measure/measured/region_servers.h"
 
 #include <algorithm>
 

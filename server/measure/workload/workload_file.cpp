@@ -1,5 +1,5 @@
 // Written in the order of world.schema.json.
-#include "server/measure/workload_file.h"
+#include "server/measure/workload/workload_file.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
 // Regions, the volumes beside their boundaries and at their centres, and injectors for them.
-#include "server/measure/workload.h"
+#include "server/measure/workload/workload.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 
 #include "tests/support/catch.h"
 #include "tests/support/region_cluster.h"
-#include "tests/unit/region/recovering.h"
+#include "tests/unit/region/recovery/recovering.h"
 
 using namespace aureole;
 using namespace aureole::testing;

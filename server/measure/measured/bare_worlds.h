@@ -6,7 +6,7 @@
 
 #include "server/aura/partition/partition_map.h"
 #include "server/base/tick.h"
-#include "server/measure/measured_run.h"
+#include "server/measure/measured/measured_run.h"
 #include "server/physics/physics_world.h"
 #include "server/worlds/world.h"
 

@@ -1,5 +1,5 @@
 // A walk through more memory than caches hold.
-#include "server/measure/cold_caches.h"
+#include "server/measure/measured/cold_caches.h"
 
 #include <fmt/format.h>
 
