@@ -13,6 +13,7 @@
 #include "server/aura/shapes/aura_capsule.h"
 #include "server/aura/shapes/box_rows.h"
 #include "server/base/ids.h"
+#include "server/base/prefetch.h"
 
 namespace aureole {
 
@@ -46,10 +47,9 @@ class Sleepers {
   const AuraBox& box(Place place) const { return sleepers_[place].box; }
   /// Has its body's name, its aura and its box come nearer, for who is going to look at several.
   void fetch(Place place) const {
-    const auto* sleeper = reinterpret_cast<const std::byte*>(&sleepers_[place]);
-    __builtin_prefetch(sleeper);
-    for (std::size_t at = offsetof(Sleeper, aura); at < sizeof(Sleeper); at += 64)
-      __builtin_prefetch(sleeper + at);
+    const Sleeper& sleeper = sleepers_[place];
+    prefetch(&sleeper.body.id);
+    prefetch(&sleeper.aura, sizeof(Sleeper) - offsetof(Sleeper, aura));
   }
 
   /// The boxes around their auras, by place.

@@ -11,6 +11,7 @@
 #include "server/base/hash.h"
 #include "server/base/leap.h"
 #include "server/base/merge_in.h"
+#include "server/base/prefetch.h"
 
 namespace aureole {
 namespace {
@@ -100,10 +101,7 @@ const Hosting::Entry& Hosting::entry_in_order(BodyId id) {
 
 void Hosting::expect(BodyId id) {
   const Entry& entry = expected_.emplace_back(entry_in_order(id));
-  // It may lie across two lines of the cache.
-  const auto* record = reinterpret_cast<const std::byte*>(entry.record);
-  __builtin_prefetch(record, 1);
-  __builtin_prefetch(record + sizeof(Record) - 1, 1);
+  prefetch(entry.record, sizeof(Record));
 }
 
 Hosting::Record& Hosting::next_record(BodyId id) {

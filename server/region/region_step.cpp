@@ -1,5 +1,6 @@
 // One step of a region, in the order that the design lays down.
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "protocol/wire.h"
@@ -233,10 +234,13 @@ void RegionCore::remove_strays(Tick) {
   std::vector<BodyId> strays;
   std::vector<PlayerId> fallen;
   fastest_ = {};
+  float fastest_squared = 0;
   const Box3& bounds = world_.bounds;
   for (const auto& [id, prototype, state] : hosting_.physics().awake()) {
-    if (const double speed = state.linear_velocity.norm(); speed > fastest_.speed_mps)
-      fastest_ = {id, speed};
+    if (const float squared = state.linear_velocity.squaredNorm(); squared > fastest_squared) {
+      fastest_squared = squared;
+      fastest_.body = id;
+    }
     const Eigen::Vector3d p = state.position.vector();
     // Written so that a position that is not a number counts as outside. No other server would take
     // a state whose numbers have burst.
@@ -248,6 +252,7 @@ void RegionCore::remove_strays(Tick) {
     else
       strays.push_back(id);
   }
+  fastest_.speed_mps = double{std::sqrt(fastest_squared)};
   for (PlayerId player : fallen) players_.respawn(player, static_cast<std::uint16_t>(player.value));
   hosting_.remove(strays);
   for (BodyId id : strays) players_.forget(id);

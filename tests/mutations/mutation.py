@@ -20,3 +20,4 @@ class Mutation:
 
 REGION = "test_region"
 AURA = "test_aura"
+PHYSICS = "physics_test"

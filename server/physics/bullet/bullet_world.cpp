@@ -5,6 +5,7 @@
 
 #include "server/base/check.h"
 #include "server/physics/bullet/bullet_conversions.h"
+#include "server/physics/bullet/bullet_prefetch.h"
 
 namespace aureole {
 namespace {
@@ -204,17 +205,13 @@ namespace {
 /// In the order of their ids bodies that have come from elsewhere lie all over memory: so far ahead
 /// each one is asked for.
 constexpr std::size_t fetched_ahead = 6;
-/// Where Bullet 3.24 keeps whether a body is awake (bytes); a wrong guess costs time, no more.
-constexpr std::size_t activation_at = 240;
 
-/// Begins to bring into the cache what a walk reads of a body: its pose, whether it is awake, how
-/// fast it is.
+/// Its pose, whether it is awake, how fast it is.
 void fetch(const BulletBody& body) {
   const btRigidBody& rigid = body.rigid;
-  __builtin_prefetch(&rigid.getWorldTransform());
-  __builtin_prefetch(&rigid.getWorldTransform().getOrigin());
-  __builtin_prefetch(reinterpret_cast<const char*>(&rigid) + activation_at);
-  __builtin_prefetch(&rigid.getLinearVelocity());
+  prefetch(&rigid.getWorldTransform(), sizeof(btTransform));
+  prefetch_activation(&rigid);
+  prefetch(&rigid.getLinearVelocity());
 }
 
 }  // namespace

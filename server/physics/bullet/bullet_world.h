@@ -8,52 +8,12 @@
 #include <vector>
 
 #include "server/physics/body.h"
+#include "server/physics/bullet/bullet_body.h"
+#include "server/physics/bullet/bullet_parts.h"
 #include "server/physics/bullet/bullet_shapes.h"
 #include "server/physics/physics_world.h"
 
 namespace aureole {
-
-/// What a Bullet body is to us.
-enum class Role : std::uint8_t {
-  body,      ///< Moves as physics has it.
-  obstacle,  ///< Moves along its own velocity and nothing stops it.
-  stand_in,  ///< Never moves.
-};
-
-/// A body as Bullet has it, and what Bullet cannot keep exactly.
-struct BulletBody {
-  BulletBody(BodyId body_id, PrototypeId body_prototype,
-             const btRigidBody::btRigidBodyConstructionInfo& info)
-      : id(body_id), prototype(body_prototype), rigid(info) {}
-
-  BodyId id;
-  PrototypeId prototype;
-  Role role = Role::body;
-  bool upright = false;
-  bool marked = false;     ///< Member of the group that a call is about; false between calls.
-  std::uint32_t slot = 0;  ///< See BodyGlance::slot(); stand-ins have one too.
-  /// Bullet's for its pairs, with points or without; in no order. See Dispatcher.
-  std::vector<btPersistentManifold*> manifolds;
-  Eigen::Quaternionf orientation{Eigen::Quaternionf::Identity()};  ///< What the basis was made of.
-  Eigen::Vector3f obstacle_linear{0, 0, 0};                        ///< m/s
-  Eigen::Vector3f obstacle_angular{0, 0, 0};                       ///< rad/s
-  btRigidBody rigid;
-
-  /// Nothing pushes it: without mass to the solver, and nobody wakes it.
-  bool immovable() const { return role != Role::body; }
-};
-
-/// The body behind a Bullet object; null for static geometry.
-inline BulletBody* body_of(const btCollisionObject* object) {
-  return static_cast<BulletBody*>(object->getUserPointer());
-}
-/// The static behind a Bullet object that is no body.
-inline StaticId static_of(const btCollisionObject* object) {
-  return StaticId{static_cast<StaticId::rep>(object->getUserIndex())};
-}
-inline btCollisionObject* object_of(const btBroadphaseProxy* proxy) {
-  return static_cast<btCollisionObject*>(proxy->m_clientObject);
-}
 
 class BulletWorld;
 
@@ -66,64 +26,6 @@ struct AwakeBodies {
     objects.clear();
   }
   void note(const BulletWorld& world, const BulletBody& body);
-};
-
-/// Bullet refuses pairs of sleeping bodies, and their algorithms then never get a manifold. While
-/// carried contacts are installed, every pair counts.
-///
-/// Bullet lists manifolds by world only. To find those of a few bodies without walking through all,
-/// each is noted at its bodies from its making to its release.
-class Dispatcher : public btCollisionDispatcher {
- public:
-  using btCollisionDispatcher::btCollisionDispatcher;
-  bool needsCollision(const btCollisionObject* a, const btCollisionObject* b) override {
-    return admit_sleeping_ || btCollisionDispatcher::needsCollision(a, b);
-  }
-  void admit_sleeping(bool admit) { admit_sleeping_ = admit; }
-
-  btPersistentManifold* getNewManifold(const btCollisionObject* a,
-                                       const btCollisionObject* b) override {
-    btPersistentManifold* manifold = btCollisionDispatcher::getNewManifold(a, b);
-    for (const btCollisionObject* object : {a, b})
-      if (BulletBody* body = body_of(object)) body->manifolds.push_back(manifold);
-    return manifold;
-  }
-  void releaseManifold(btPersistentManifold* manifold) override {
-    for (const btCollisionObject* object : {manifold->getBody0(), manifold->getBody1()})
-      if (BulletBody* body = body_of(object)) std::erase(body->manifolds, manifold);
-    btCollisionDispatcher::releaseManifold(manifold);
-  }
-
- private:
-  bool admit_sleeping_ = false;
-};
-
-/// Bullet scans all pairs twice for each removed body. A group's pairs are taken out in one pass
-/// beforehand, and then there is nothing to scan for.
-class PairCache : public btHashedOverlappingPairCache {
- public:
-  void cleanProxyFromPairs(btBroadphaseProxy*, btDispatcher*) override {}
-  void removeOverlappingPairsContainingProxy(btBroadphaseProxy*, btDispatcher*) override {}
-};
-
-/// Opens up the list of moving bodies, which Bullet searches from the start for each removal. Ours
-/// is in the order of addresses: what a step does to each of them does not depend on the others.
-class DynamicsWorld : public btDiscreteDynamicsWorld {
- public:
-  using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
-  btAlignedObjectArray<btRigidBody*>& moving() { return m_nonStaticRigidBodies; }
-
- protected:
-  /// Bullet damps sleepers too, and foretells where they will be. They stand still, and nobody
-  /// reads it before they wake, and the next step foretells it.
-  void predictUnconstraintMotion(btScalar dt_s) override {
-    for (int i = 0; i < m_nonStaticRigidBodies.size(); ++i) {
-      btRigidBody& body = *m_nonStaticRigidBodies[i];
-      if (!body.isActive() || body.isStaticOrKinematicObject()) continue;
-      body.applyDamping(dt_s);
-      body.predictIntegratedTransform(dt_s, body.getInterpolationWorldTransform());
-    }
-  }
 };
 
 /// Owns the Bullet objects of one world except the bodies' memory.
@@ -188,7 +90,7 @@ class BulletWorld {
   Dispatcher dispatcher_;
   PairCache pairs_;
   btDbvtBroadphase broadphase_;
-  btSequentialImpulseConstraintSolver solver_;
+  ContactSolver solver_;
   DynamicsWorld world_;
   std::vector<std::unique_ptr<btCollisionObject>> statics_;
   std::vector<BulletBody*> obstacles_;

@@ -1,0 +1,24 @@
+"""What a step of physics rests on (server/physics)."""
+
+from mutation import PHYSICS, Mutation
+
+MUTATIONS = [
+    Mutation(
+        "pair-order",
+        "pairs are walked through from the lowest ids up, not as Bullet has it",
+        "server/physics/bullet/pair_order.cpp",
+        "return a.key > b.key; };",
+        "return a.key < b.key; };",
+        ((PHYSICS, "Bullet's own walk has the same order"),
+         (PHYSICS, "tables and hulls on top of each other change their world together")),
+    ),
+    Mutation(
+        "pair-in-anothers-place",
+        "a pair that lies where another one lay is taken for it",
+        "server/physics/bullet/pair_order.cpp",
+        "    if (at < known && keys_[at] == key) continue;\n",
+        "    if (at < known) continue;\n",
+        ((PHYSICS, "A pair that has another's place is not taken for it"),
+         (PHYSICS, "Pairs are walked through by the ids of their proxies, whoever comes and goes")),
+    ),
+]
