@@ -6,6 +6,7 @@
 
 #include "protocol/wire_values.h"
 #include "server/base/check.h"
+#include "server/base/merge_in.h"
 
 namespace aureole {
 namespace {
@@ -87,9 +88,11 @@ struct ReplicaPublisher::Round {
   Tick now;
   const PhysicsWorld& world;
   std::size_t next_followed = 0, next_due = 0;  ///< Places in the lists that are walked.
-  std::vector<BodyId> still_due;
-  std::vector<wire::ReplicaKey> keys;
-  std::vector<wire::ReplicaMotion> motions;
+  std::size_t kept = 0;           ///< So many of those followed before have been looked at and stay.
+  std::vector<Followed> woken{};  ///< To be followed from now on; ascending.
+  std::vector<BodyId> still_due{};
+  std::vector<wire::ReplicaKey> keys{};
+  std::vector<wire::ReplicaMotion> motions{};
 };
 
 /// False: there is no room left. More would not fit a frame together with everybody's motion; the
@@ -106,6 +109,15 @@ bool ReplicaPublisher::send_key(Round& round, BodyId id) const {
                   bodies_.at(id));
 }
 
+/// The next of those followed stays among them. In its place: in nearly every step all of them do,
+/// and a second list would be as much memory again to wait for.
+ReplicaPublisher::Followed& ReplicaPublisher::keep_next(Round& round) {
+  const std::size_t from = round.next_followed++;
+  const std::size_t to = round.kept++;
+  if (from != to) followed_[to] = followed_[from];
+  return followed_[to];
+}
+
 /// Tells of those below `before` that have fallen asleep or came asleep.
 void ReplicaPublisher::look_at_sleepers(Round& round, BodyId before) {
   std::size_t& next_followed = round.next_followed;
@@ -118,8 +130,10 @@ void ReplicaPublisher::look_at_sleepers(Round& round, BodyId before) {
             : nullptr;
     const bool due = next_due < due_.size() && due_[next_due] < before;
     if (followed != nullptr && (!due || followed->id < due_[next_due])) {
-      if (!send_key(round, followed->id)) still_followed_.push_back(*followed);
-      ++next_followed;
+      if (send_key(round, followed->id))
+        ++next_followed;
+      else
+        keep_next(round);
     } else if (due) {
       const BodyId id = due_[next_due++];
       // It may have gone before anybody was told that it came.
@@ -149,11 +163,10 @@ void ReplicaPublisher::follow(Round& round, const NewBody& body, Followed& follo
 
 SharedBytes ReplicaPublisher::update(Tick now, const PhysicsWorld& world,
                                      std::span<const Avatar* const> avatars) {
-  Round round{now, world, {}, {}, {}, {}, {}};
+  Round round{.now = now, .world = world};
   round.motions.reserve(followed_.size());
   std::size_t& next_followed = round.next_followed;
   std::size_t& next_due = round.next_due;
-  still_followed_.clear();
   std::sort(due_.begin(), due_.end());
   due_.erase(std::unique(due_.begin(), due_.end()), due_.end());
   for (const NewBody& body : world.awake()) {
@@ -164,7 +177,7 @@ SharedBytes ReplicaPublisher::update(Tick now, const PhysicsWorld& world,
     // Seldom is anybody between one who is awake and the next.
     if (!is_followed() || next_due < due_.size()) look_at_sleepers(round, body.id);
     if (is_followed()) {
-      follow(round, body, still_followed_.emplace_back(followed_[next_followed++]));
+      follow(round, body, keep_next(round));
       continue;
     }
     const bool due = next_due < due_.size() && due_[next_due] == body.id;
@@ -172,13 +185,16 @@ SharedBytes ReplicaPublisher::update(Tick now, const PhysicsWorld& world,
     // It is new, or it has woken up: then it is in neither list.
     const Published& as = bodies_.at(body.id);
     if (send_key(round, body, as))
-      still_followed_.push_back({body.id, as, false,
-                                 quantise(body.state.position), quantise(body.state.orientation)});
+      round.woken.push_back({body.id, as, false, quantise(body.state.position),
+                             quantise(body.state.orientation)});
     else if (due)
       round.still_due.push_back(body.id);
   }
   look_at_sleepers(round, BodyId{std::numeric_limits<std::uint64_t>::max()});
-  std::swap(followed_, still_followed_);
+  followed_.erase(followed_.begin() + static_cast<std::ptrdiff_t>(round.kept), followed_.end());
+  followed_.insert(followed_.end(), round.woken.begin(), round.woken.end());
+  merge_in(followed_, static_cast<std::ptrdiff_t>(round.kept),
+           [](const Followed& a, const Followed& b) { return a.id < b.id; });
   std::swap(due_, round.still_due);
 
   std::vector<wire::ReplicaRemoved> removed;

@@ -71,6 +71,7 @@ class ReplicaPublisher {
   };
   std::uint32_t take_slot();
   struct Round;  ///< One update in work.
+  Followed& keep_next(Round& round);
   void look_at_sleepers(Round& round, BodyId before);
   static void follow(Round& round, const NewBody& body, Followed& followed);
   static bool send_key(Round& round, const NewBody& body, const Published& as);
@@ -81,7 +82,6 @@ class ReplicaPublisher {
   // known to sleep is in none of them.
   std::vector<Followed> followed_;
   std::vector<BodyId> due_;  ///< Never told of, except while they wait for room in an update.
-  std::vector<Followed> still_followed_;  ///< Only used within update(); kept for its memory.
 
   std::vector<std::uint32_t> free_slots_;
   std::uint32_t next_slot_ = 0;

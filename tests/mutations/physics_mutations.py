@@ -7,10 +7,10 @@ MUTATIONS = [
         "pair-order",
         "pairs are walked through from the lowest ids up, not as Bullet has it",
         "server/physics/bullet/pair_order.cpp",
-        "return a.key > b.key; };",
         "return a.key < b.key; };",
-        ((PHYSICS, "Bullet's own walk has the same order"),
-         (PHYSICS, "tables and hulls on top of each other change their world together")),
+        "return b.key < a.key; };",
+        ((PHYSICS, "Whoever comes and goes, pairs are walked through in Bullet's order"),
+         (PHYSICS, "What falls onto a heap falls as in Bullet's own world")),
     ),
     Mutation(
         "pair-in-anothers-place",
@@ -19,6 +19,6 @@ MUTATIONS = [
         "    if (at < known && keys_[at] == key) continue;\n",
         "    if (at < known) continue;\n",
         ((PHYSICS, "A pair that has another's place is not taken for it"),
-         (PHYSICS, "Pairs are walked through by the ids of their proxies, whoever comes and goes")),
+         (PHYSICS, "Whoever comes and goes, pairs are walked through in Bullet's order")),
     ),
 ]

@@ -8,6 +8,7 @@
 
 #include "server/physics/bullet/bullet_conversions.h"
 #include "server/physics/bullet/bullet_queries.h"
+#include "server/physics/bullet/pair_key.h"
 
 namespace aureole {
 namespace {
@@ -106,21 +107,6 @@ ContactManifold plain_manifold(const btPersistentManifold& manifold, const Bulle
   return out;
 }
 
-/// The order in which Bullet's deterministic dispatch would meet pairs: manifolds made early then
-/// stand as they would, had everybody always been here.
-struct PairKey {
-  int low_uid;
-  int high_uid;
-  bool operator==(const PairKey&) const = default;
-  bool operator<(const PairKey& other) const {
-    return std::tie(low_uid, high_uid) > std::tie(other.low_uid, other.high_uid);
-  }
-};
-
-PairKey key_of(const btBroadphaseProxy& one, const btBroadphaseProxy& two) {
-  return {std::min(one.m_uniqueId, two.m_uniqueId), std::max(one.m_uniqueId, two.m_uniqueId)};
-}
-
 void look_at(BulletWorld& world, btBroadphasePair& pair) {
   world.dispatcher().admit_sleeping(true);
   btCollisionDispatcher::defaultNearCallback(pair, world.dispatcher(),
@@ -172,8 +158,9 @@ void install_contacts(BulletWorld& world, std::vector<CarriedContact> carried) {
   std::vector<Job> jobs;
   for (const CarriedContact& c : carried) {
     if (!c.a || !c.b || c.a == c.b) continue;
-    jobs.push_back({key_of(*c.a->getBroadphaseHandle(), *c.b->getBroadphaseHandle()), c});
+    jobs.push_back({{*c.a->getBroadphaseHandle(), *c.b->getBroadphaseHandle()}, c});
   }
+  // Manifolds that are made early then stand as they would, had everybody always been here.
   std::stable_sort(jobs.begin(), jobs.end(),
                    [](const Job& x, const Job& y) { return x.key < y.key; });
 
@@ -198,7 +185,7 @@ void detect_contacts(BulletWorld& world, std::span<BulletBody* const> group) {
   std::vector<std::pair<PairKey, btBroadphasePair*>> pairs;
   for (BulletBody* body : group)
     for_each_pair(world, *body, [&](btCollisionObject&, const btBroadphasePair& pair) {
-      pairs.emplace_back(key_of(*pair.m_pProxy0, *pair.m_pProxy1),
+      pairs.emplace_back(PairKey(*pair.m_pProxy0, *pair.m_pProxy1),
                          const_cast<btBroadphasePair*>(&pair));
     });
   std::sort(pairs.begin(), pairs.end());

@@ -25,7 +25,8 @@ void DynamicsWorld::updateAabbs() {
     }
     if (const int m = n + ahead; m < count && m_collisionObjects[m]->isActive())
       prefetch(proxy(m)->leaf);
-    if (m_collisionObjects[n]->isActive()) updateSingleAabb(m_collisionObjects[n]);
+    if (m_forceUpdateAllAabbs || m_collisionObjects[n]->isActive())
+      updateSingleAabb(m_collisionObjects[n]);
   }
 }
 

@@ -1,9 +1,9 @@
-// What a Bullet world is made of, where we have it do less, or in another order in memory.
+// What a Bullet world is made of, where we have it do less work, or wait less for memory.
 #pragma once
 
 #include <btBulletDynamicsCommon.h>
 
-#include <algorithm>
+#include <vector>
 
 #include "server/physics/bullet/bullet_body.h"
 #include "server/physics/bullet/pair_order.h"
@@ -41,8 +41,8 @@ class Dispatcher : public btCollisionDispatcher {
 };
 
 /// Bullet scans all pairs twice for each removed body. A group's pairs are taken out in one pass
-/// beforehand, and then there is nothing to scan for. Pairs are always walked through in the order
-/// that `m_deterministicOverlappingPairs` asks for; see PairOrder.
+/// beforehand, and then there is nothing to scan for. A step walks through pairs in the order that
+/// `m_deterministicOverlappingPairs` asks for; see PairOrder.
 class PairCache : public btHashedOverlappingPairCache {
  public:
   void cleanProxyFromPairs(btBroadphaseProxy*, btDispatcher*) override {}

@@ -9,9 +9,9 @@
 
 namespace aureole {
 
-/// Whether an object is awake, which Bullet 3.24 keeps 240 bytes into it.
+/// Whether an object is awake, which Bullet 3.24 keeps 248 bytes into it.
 inline void prefetch_activation(const btCollisionObject* object) {
-  constexpr std::size_t at = 240;
+  constexpr std::size_t at = 248;
   prefetch(reinterpret_cast<const std::byte*>(object) + at);
 }
 

@@ -34,8 +34,7 @@ void PairOrder::mend(const btBroadphasePairArray& pairs) {
       prefetch(&pair(at + 2 * ahead).m_pProxy0->m_uniqueId);
       prefetch(&pair(at + 2 * ahead).m_pProxy1->m_uniqueId);
     }
-    const Key key = Key{static_cast<std::uint32_t>(pair(at).m_pProxy0->m_uniqueId)} << 32 |
-                    static_cast<std::uint32_t>(pair(at).m_pProxy1->m_uniqueId);
+    const PairKey key(*pair(at).m_pProxy0, *pair(at).m_pProxy1);
     if (at < known && keys_[at] == key) continue;
     some_went = some_went || at < known;
     keys_[at] = key;
@@ -47,7 +46,7 @@ void PairOrder::mend(const btBroadphasePairArray& pairs) {
       return place.at >= count || keys_[place.at] != place.key;
     });
   if (!come_.empty()) {
-    const auto before = [](const Place& a, const Place& b) { return a.key > b.key; };
+    const auto before = [](const Place& a, const Place& b) { return a.key < b.key; };
     std::sort(come_.begin(), come_.end(), before);
     merged_.resize(order_.size() + come_.size());
     std::merge(order_.begin(), order_.end(), come_.begin(), come_.end(), merged_.begin(), before);
@@ -88,11 +87,12 @@ void PairOrder::note_manifold(const btBroadphasePair& pair, Place& place) {
 
 void PairOrder::walk(btBroadphasePairArray& pairs, btOverlapCallback& visit) {
   mend(pairs);
+  const int count = pairs.size();
   for (std::size_t n = 0; n < order_.size(); ++n) {
     fetch_ahead(pairs, n);
     btBroadphasePair& pair = pairs[static_cast<int>(order_[n].at)];
     const bool is_over = visit.processOverlap(pair);
-    AUREOLE_CHECK(!is_over, "pairs end where boxes are moved, not here");
+    AUREOLE_CHECK(!is_over && pairs.size() == count, "pairs come and go where boxes are moved");
     note_manifold(pair, order_[n]);
   }
 }

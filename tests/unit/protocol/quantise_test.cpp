@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <optional>
 #include <random>
 
 #include "tests/support/catch.h"
@@ -147,6 +149,66 @@ TEST_CASE("The identity and half turns about the axes are exact, under both sign
       c[axis] = sign;
       CHECK(dequantise(quantise(Eigen::Quaternionf(c))).coeffs() == Eigen::Vector4f(sign * c));
     }
+}
+
+/// The layout of quantise.h read back: which component was left out, and the others' codes.
+std::array<int, 4> codes_of(const QuantisedOrientation& q) {
+  std::uint64_t bits = 0;
+  for (std::size_t byte = q.size(); byte-- > 0;) bits = bits << 8 | q[byte];
+  const auto code = [&](int k) { return static_cast<int>(bits >> (2 + 15 * k) & 0x7fff); };
+  return {static_cast<int>(bits & 3), code(0), code(1), code(2)};
+}
+
+/// The same by the definition, with long doubles; nothing where the largest two are near to each
+/// other or a component is near to half a step, where the last digit of a length decides.
+std::optional<std::array<int, 4>> exact_codes(const Eigen::Vector4f& c) {
+  constexpr long double zero = 16383;
+  long double squares = 0;
+  int largest = 0;
+  for (int i = 0; i < 4; ++i) {
+    squares += static_cast<long double>(c[i]) * static_cast<long double>(c[i]);
+    if (std::abs(c[i]) > std::abs(c[largest])) largest = i;
+  }
+  const long double steps =
+      zero * std::sqrt(2.0L / squares) * (std::signbit(c[largest]) ? -1.0L : 1.0L);
+  std::array<int, 4> codes{largest, 0, 0, 0};
+  for (int i = 0, k = 1; i < 4; ++i) {
+    if (i == largest) continue;
+    const long double exact = static_cast<long double>(c[i]) * steps;
+    const long double largest_exact = static_cast<long double>(c[largest]) * steps;
+    if (largest_exact - std::abs(exact) < 4) return std::nullopt;
+    if (std::abs(exact - std::floor(exact) - 0.5L) < 1e-5L) return std::nullopt;
+    codes[static_cast<std::size_t>(k++)] = static_cast<int>(std::round(exact) + zero);
+  }
+  return codes;
+}
+
+TEST_CASE("Codes are those of exact arithmetic, however long the quaternion is") {
+  // Squares inside, at the edge of and outside what is taken for a length of one; far outside.
+  const float length = GENERATE(1.f, 1 + 3e-7f, 1 - 3e-7f, 1 + 6e-7f, 1 - 6e-7f, 1 + 1e-5f,
+                                1 - 1e-5f, 1.01f, 0.99f, 0.5f, 3.f, 1e-15f, 1e15f);
+  CAPTURE(length);
+  std::mt19937_64 random(8);
+  std::normal_distribution<float> normal;
+  int compared = 0;
+  for (int n = 0; n < 20'000; ++n) {
+    Eigen::Vector4f c(normal(random), normal(random), normal(random), normal(random));
+    c *= length / c.norm();
+    const auto exact = exact_codes(c);
+    if (!exact) continue;
+    ++compared;
+    REQUIRE(codes_of(quantise(Eigen::Quaternionf(c))) == *exact);
+  }
+  CHECK(compared > 19'000);
+}
+
+TEST_CASE(
+    "Of components that are equally large the first is left out, with its sign made positive") {
+  CHECK(codes_of(quantise(Eigen::Quaternionf(-1, -0.f, 0, -0.f))) ==
+        std::array<int, 4>{3, 16383, 16383, 16383});
+  CHECK(codes_of(quantise(Eigen::Quaternionf(0.5f, 0.5f, 0.5f, 0.5f)))[0] == 0);
+  CHECK(codes_of(quantise(Eigen::Quaternionf(0.5f, -0.5f, 0.5f, 0.5f)))[0] == 0);
+  CHECK(codes_of(quantise(Eigen::Quaternionf(0.70710678f, 0, 0.70710678f, 0)))[0] == 1);
 }
 
 TEST_CASE("Equal components come back equal: quarter turns and the turns of a cube") {

@@ -1,0 +1,112 @@
+// Our parts of a Bullet world against Bullet's own: what falls falls the same way, bit for bit.
+#include "server/physics/bullet/bullet_parts.h"
+
+#include <cstring>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "tests/support/catch.h"
+
+namespace aureole {
+namespace {
+
+/// Balls, boxes, capsules and tables of two boxes over level ground, in a world of these parts.
+template <class Collisions, class Cache, class Solver, class World>
+class Heap {
+ public:
+  Heap()
+      : dispatcher_(&configuration_),
+        broadphase_(&cache_),
+        world_(&dispatcher_, &broadphase_, &solver_, &configuration_) {
+    world_.setForceUpdateAllAabbs(false);
+    world_.getDispatchInfo().m_deterministicOverlappingPairs = true;
+    world_.getSolverInfo().m_solverMode &= ~SOLVER_RANDMIZE_ORDER;
+    world_.setGravity({0, -9.81f, 0});
+    table_.addChildShape(btTransform(btQuaternion::getIdentity(), {0, 0.5f, 0}), &box_);
+    table_.addChildShape(btTransform(btQuaternion::getIdentity(), {0, -0.5f, 0}), &ball_);
+    ground_.setCollisionShape(&plane_);
+    world_.addCollisionObject(&ground_);
+    std::mt19937 random(11);
+    std::uniform_real_distribution<float> aside(-3, 3);
+    for (int n = 0; n < 160; ++n) {
+      btCollisionShape* const shapes[] = {&ball_, &box_, &capsule_, &table_};
+      btCollisionShape* shape = shapes[n % 4];
+      btVector3 inertia;
+      shape->calculateLocalInertia(1, inertia);
+      bodies_.push_back(std::make_unique<btRigidBody>(1.f, nullptr, shape, inertia));
+      const float x = aside(random);
+      const float z = aside(random);
+      const btQuaternion turned(aside(random), aside(random), aside(random));
+      bodies_.back()->setWorldTransform(
+          btTransform(turned, {x, 1 + 0.1f * static_cast<float>(n), z}));
+      world_.addRigidBody(bodies_.back().get());
+    }
+  }
+  ~Heap() {
+    for (const auto& body : bodies_) world_.removeRigidBody(body.get());
+    world_.removeCollisionObject(&ground_);
+  }
+  Heap(const Heap&) = delete;
+  Heap& operator=(const Heap&) = delete;
+
+  void step() { world_.stepSimulation(0.016f, 0); }
+  int contacts() { return dispatcher_.getNumManifolds(); }
+  int asleep() const {
+    int count = 0;
+    for (const auto& body : bodies_) count += body->isActive() ? 0 : 1;
+    return count;
+  }
+  /// Where bodies are and how they move, as bytes.
+  std::vector<float> state() const {
+    std::vector<float> all;
+    const auto add = [&](const btVector3& v) { all.insert(all.end(), {v.x(), v.y(), v.z()}); };
+    for (const auto& body : bodies_) {
+      add(body->getWorldTransform().getOrigin());
+      for (int row = 0; row < 3; ++row) add(body->getWorldTransform().getBasis()[row]);
+      add(body->getLinearVelocity());
+      add(body->getAngularVelocity());
+    }
+    return all;
+  }
+
+ private:
+  btDefaultCollisionConfiguration configuration_;
+  Collisions dispatcher_;
+  Cache cache_;
+  btDbvtBroadphase broadphase_;
+  Solver solver_;
+  World world_;
+  btSphereShape ball_{0.3f};
+  btBoxShape box_{{0.5f, 0.15f, 0.4f}};
+  btCapsuleShape capsule_{0.2f, 0.7f};
+  btCompoundShape table_;
+  btStaticPlaneShape plane_{{0, 1, 0}, 0};
+  btCollisionObject ground_;
+  std::vector<std::unique_ptr<btRigidBody>> bodies_;
+};
+
+bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
+}
+
+TEST_CASE("What falls onto a heap falls as in Bullet's own world") {
+  Heap<Dispatcher, PairCache, ContactSolver, DynamicsWorld> ours;
+  Heap<btCollisionDispatcher, btHashedOverlappingPairCache, btSequentialImpulseConstraintSolver,
+       btDiscreteDynamicsWorld>
+      bullets;
+  int most_contacts = 0;
+  for (int step = 0; step < 600; ++step) {
+    ours.step();
+    bullets.step();
+    most_contacts = std::max(most_contacts, ours.contacts());
+    INFO("step " << step);
+    REQUIRE(same_bits(ours.state(), bullets.state()));
+  }
+  CHECK(most_contacts > 200);
+  CHECK(ours.asleep() == bullets.asleep());
+  CHECK(ours.asleep() > 20);
+}
+
+}  // namespace
+}  // namespace aureole
