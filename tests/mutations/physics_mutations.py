@@ -6,7 +6,7 @@ MUTATIONS = [
     Mutation(
         "pair-order",
         "pairs are walked through from the lowest ids up, not as Bullet has it",
-        "server/physics/bullet/pair_order.cpp",
+        "server/physics/bullet/parts/pair_order.cpp",
         "return a.key < b.key; };",
         "return b.key < a.key; };",
         ((PHYSICS, "Whoever comes and goes, pairs are walked through in Bullet's order"),
@@ -15,7 +15,7 @@ MUTATIONS = [
     Mutation(
         "pair-in-anothers-place",
         "a pair that lies where another one lay is taken for it",
-        "server/physics/bullet/pair_order.cpp",
+        "server/physics/bullet/parts/pair_order.cpp",
         "    if (at < known && keys_[at] == key) continue;\n",
         "    if (at < known) continue;\n",
         ((PHYSICS, "A pair that has another's place is not taken for it"),

@@ -8,7 +8,7 @@
 
 #include "server/physics/bullet/bullet_conversions.h"
 #include "server/physics/bullet/bullet_queries.h"
-#include "server/physics/bullet/pair_key.h"
+#include "server/physics/bullet/parts/pair_key.h"
 
 namespace aureole {
 namespace {

@@ -2,7 +2,7 @@
 // hand.
 #include <LinearMath/btAabbUtil2.h>
 
-#include "server/physics/bullet/address_order.h"
+#include "server/physics/bullet/parts/address_order.h"
 #include "server/physics/bullet/bullet_queries.h"
 #include "server/physics/bullet/bullet_world.h"
 #include "server/physics/bullet/group_proxies.h"

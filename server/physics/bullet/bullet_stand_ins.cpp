@@ -1,6 +1,6 @@
 // Bodies become stand-ins and stand-ins bodies in place: Bullet's object, its box and its manifolds
 // stay, so that a stack does not notice.
-#include "server/physics/bullet/address_order.h"
+#include "server/physics/bullet/parts/address_order.h"
 #include "server/physics/bullet/bullet_contacts.h"
 #include "server/physics/bullet/bullet_conversions.h"
 #include "server/physics/bullet/bullet_world.h"

@@ -5,7 +5,7 @@
 
 #include "server/base/check.h"
 #include "server/physics/bullet/bullet_conversions.h"
-#include "server/physics/bullet/bullet_prefetch.h"
+#include "server/physics/bullet/parts/bullet_prefetch.h"
 
 namespace aureole {
 namespace {

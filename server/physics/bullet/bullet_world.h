@@ -9,8 +9,11 @@
 
 #include "server/physics/body.h"
 #include "server/physics/bullet/bullet_body.h"
-#include "server/physics/bullet/bullet_parts.h"
 #include "server/physics/bullet/bullet_shapes.h"
+#include "server/physics/bullet/parts/contact_solver.h"
+#include "server/physics/bullet/parts/dispatcher.h"
+#include "server/physics/bullet/parts/dynamics_world.h"
+#include "server/physics/bullet/parts/pair_cache.h"
 #include "server/physics/physics_world.h"
 
 namespace aureole {

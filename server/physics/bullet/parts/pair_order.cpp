@@ -1,11 +1,11 @@
 // Mends the order of pairs, and walks through them in it.
-#include "server/physics/bullet/pair_order.h"
+#include "server/physics/bullet/parts/pair_order.h"
 
 #include <algorithm>
 
 #include "server/base/check.h"
 #include "server/physics/bullet/bullet_body.h"
-#include "server/physics/bullet/bullet_prefetch.h"
+#include "server/physics/bullet/parts/bullet_prefetch.h"
 
 namespace aureole {
 namespace {

@@ -1,5 +1,5 @@
 // The order in which pairs are walked through, against Bullet's own walk.
-#include "server/physics/bullet/pair_order.h"
+#include "server/physics/bullet/parts/pair_order.h"
 
 #include <cstddef>
 #include <limits>

@@ -1,7 +1,7 @@
-// Walks of a step, with memory asked for ahead.
-#include "server/physics/bullet/bullet_parts.h"
+// Walks over bodies, with memory asked for ahead.
+#include "server/physics/bullet/parts/dynamics_world.h"
 
-#include "server/physics/bullet/bullet_prefetch.h"
+#include "server/physics/bullet/parts/bullet_prefetch.h"
 
 namespace aureole {
 namespace {
@@ -36,14 +36,6 @@ void DynamicsWorld::predictUnconstraintMotion(btScalar dt_s) {
     if (!body.isActive() || body.isStaticOrKinematicObject()) continue;
     body.applyDamping(dt_s);
     body.predictIntegratedTransform(dt_s, body.getInterpolationWorldTransform());
-  }
-}
-
-void ContactSolver::convertContacts(btPersistentManifold** manifolds, int count,
-                                    const btContactSolverInfo& info) {
-  for (int n = 0; n < count; ++n) {
-    if (n + ahead < count) prefetch_manifold(manifolds[n + ahead]);
-    convertContact(manifolds[n], info);
   }
 }
 

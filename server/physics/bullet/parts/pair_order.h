@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/physics/bullet/pair_key.h"
+#include "server/physics/bullet/parts/pair_key.h"
 
 namespace aureole {
 
