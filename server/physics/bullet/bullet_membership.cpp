@@ -2,10 +2,10 @@
 // hand.
 #include <LinearMath/btAabbUtil2.h>
 
-#include "server/physics/bullet/parts/address_order.h"
 #include "server/physics/bullet/bullet_queries.h"
 #include "server/physics/bullet/bullet_world.h"
 #include "server/physics/bullet/group_proxies.h"
+#include "server/physics/bullet/parts/address_order.h"
 
 namespace aureole {
 namespace {
@@ -49,13 +49,13 @@ void BulletWorld::insert_object(btCollisionObject& object, Mobility mobility) {
 }
 
 void BulletWorld::insert(BulletBody& body) {
-  if (body.role == Role::obstacle) obstacles_.push_back(&body);
+  if (body.role == Role::obstacle) world_.kinematic().push_back(&body.rigid);
   if (!body.immovable()) put_in_address_order(world_.moving(), &body.rigid);
   insert_object(body.rigid, body.immovable() ? Mobility::fixed : Mobility::moving);
 }
 
 void BulletWorld::take_out(BulletBody& body) {
-  if (body.role == Role::obstacle) std::erase(obstacles_, &body);
+  if (body.role == Role::obstacle) std::erase(world_.kinematic(), &body.rigid);
   if (!body.immovable()) take_from_address_order(world_.moving(), &body.rigid);
   world_.btCollisionWorld::removeCollisionObject(&body.rigid);
   body.marked = false;

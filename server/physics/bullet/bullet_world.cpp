@@ -179,14 +179,16 @@ BodyState BulletWorld::state_of(const BulletBody& body) const {
 void BulletWorld::before_solving(btDynamicsWorld* world, btScalar) {
   // Bullet guesses a kinematic body's velocity from two poses, and loses bits: say what it is.
   auto* self = static_cast<BulletWorld*>(world->getWorldUserInfo());
-  for (BulletBody* body : self->obstacles_) {
-    body->rigid.setLinearVelocity(aureole::to_bullet(body->obstacle_linear));
-    body->rigid.setAngularVelocity(aureole::to_bullet(body->obstacle_angular));
+  for (btRigidBody* rigid : self->world_.kinematic()) {
+    const BulletBody& body = *body_of(rigid);
+    rigid->setLinearVelocity(aureole::to_bullet(body.obstacle_linear));
+    rigid->setAngularVelocity(aureole::to_bullet(body.obstacle_angular));
   }
 }
 
 void BulletWorld::drive_obstacles(float dt_s) {
-  for (BulletBody* body : obstacles_) {
+  for (btRigidBody* rigid : world_.kinematic()) {
+    BulletBody* const body = body_of(rigid);
     if (body->obstacle_linear.isZero(0) && body->obstacle_angular.isZero(0)) continue;
     btTransform next;
     btTransformUtil::integrateTransform(body->rigid.getWorldTransform(),
@@ -203,15 +205,15 @@ void BulletWorld::drive_obstacles(float dt_s) {
 namespace {
 
 /// In the order of their ids bodies that have come from elsewhere lie all over memory: so far ahead
-/// each one is asked for.
+/// each one that is awake is asked for, …
 constexpr std::size_t fetched_ahead = 6;
+/// … and whether it is.
+constexpr std::size_t found_ahead = 16;
 
-/// Its pose, whether it is awake, how fast it is.
-void fetch(const BulletBody& body) {
-  const btRigidBody& rigid = body.rigid;
-  prefetch(&rigid.getWorldTransform(), sizeof(btTransform));
-  prefetch_activation(&rigid);
-  prefetch(&rigid.getLinearVelocity());
+/// Its pose, and how fast it is.
+void fetch(const btRigidBody& body) {
+  prefetch(&body.getWorldTransform(), sizeof(btTransform));
+  prefetch(&body.getLinearVelocity());
 }
 
 }  // namespace
@@ -231,7 +233,9 @@ void BulletWorld::step(float dt_s, std::span<BulletBody* const> all, AwakeBodies
   awake.clear();
   for (std::size_t n = 0; n < all.size(); ++n) {
     BulletBody* body = all[n];
-    if (n + fetched_ahead < all.size()) fetch(*all[n + fetched_ahead]);
+    if (n + found_ahead < all.size()) prefetch_activation(&all[n + found_ahead]->rigid);
+    if (const std::size_t m = n + fetched_ahead; m < all.size() && all[m]->rigid.isActive())
+      fetch(all[m]->rigid);
     if (!body->rigid.isActive()) continue;
     if (body->immovable()) {
       awake.note(*this, *body);

@@ -96,7 +96,6 @@ class BulletWorld {
   ContactSolver solver_;
   DynamicsWorld world_;
   std::vector<std::unique_ptr<btCollisionObject>> statics_;
-  std::vector<BulletBody*> obstacles_;
 };
 
 /// True if at least one contact point joins the two bodies of `pair`.

@@ -1,42 +1,91 @@
-// Walks over bodies, with memory asked for ahead.
+// Walks over what is awake, with memory asked for ahead.
 #include "server/physics/bullet/parts/dynamics_world.h"
+
+#include <bit>
+#include <cstddef>
 
 #include "server/physics/bullet/parts/bullet_prefetch.h"
 
 namespace aureole {
 namespace {
 
-/// How many objects lie between asking for something and reading it.
+/// How many objects lie between asking for something and reading it, …
 constexpr int ahead = 4;
+/// … and where all that is done is to see that one sleeps.
+constexpr int far_ahead = 16;
 
 }  // namespace
 
-void DynamicsWorld::updateAabbs() {
-  const int count = m_collisionObjects.size();
-  const auto proxy = [&](int n) {
-    return static_cast<const btDbvtProxy*>(m_collisionObjects[n]->getBroadphaseHandle());
-  };
+void DynamicsWorld::find_awake(std::vector<btRigidBody*>& awake) {
+  awake.clear();
+  const int count = m_nonStaticRigidBodies.size();
   for (int n = 0; n < count; ++n) {
-    // Each thing is found through the one that has been asked for before it.
-    if (const int m = n + 3 * ahead; m < count) prefetch_activation(m_collisionObjects[m]);
-    if (const int m = n + 2 * ahead; m < count && m_collisionObjects[m]->isActive()) {
-      prefetch_object(m_collisionObjects[m]);
-      prefetch(proxy(m), sizeof(btDbvtProxy));
-    }
-    if (const int m = n + ahead; m < count && m_collisionObjects[m]->isActive())
-      prefetch(proxy(m)->leaf);
-    if (m_forceUpdateAllAabbs || m_collisionObjects[n]->isActive())
-      updateSingleAabb(m_collisionObjects[n]);
+    if (n + far_ahead < count) prefetch_activation(m_nonStaticRigidBodies[n + far_ahead]);
+    if (m_nonStaticRigidBodies[n]->isActive()) awake.push_back(m_nonStaticRigidBodies[n]);
   }
 }
 
+void DynamicsWorld::saveKinematicState(btScalar dt_s) {
+  for (btRigidBody* body : kinematic_)
+    if (body->getActivationState() != ISLAND_SLEEPING) body->saveKinematicState(dt_s);
+}
+
+void DynamicsWorld::applyGravity() {
+  find_awake(awake_);
+  steps_ = true;
+  for (btRigidBody* body : awake_) body->applyGravity();
+}
+
 void DynamicsWorld::predictUnconstraintMotion(btScalar dt_s) {
-  for (int n = 0; n < m_nonStaticRigidBodies.size(); ++n) {
-    btRigidBody& body = *m_nonStaticRigidBodies[n];
-    if (!body.isActive() || body.isStaticOrKinematicObject()) continue;
-    body.applyDamping(dt_s);
-    body.predictIntegratedTransform(dt_s, body.getInterpolationWorldTransform());
+  for (btRigidBody* body : awake_) {
+    if (body->isStaticOrKinematicObject()) continue;
+    body->applyDamping(dt_s);
+    body->predictIntegratedTransform(dt_s, body->getInterpolationWorldTransform());
   }
+}
+
+/// In Bullet's order, which is that of the world's list of objects: pairs come in it.
+void DynamicsWorld::updateAabbs() {
+  if (!steps_ || m_forceUpdateAllAabbs) return btDiscreteDynamicsWorld::updateAabbs();
+  constexpr int word_bits = 64;
+  renewed_.assign(static_cast<std::size_t>(m_collisionObjects.size() / word_bits + 1), 0);
+  const auto renew = [&](const btRigidBody* body) {
+    const int at = body->getWorldArrayIndex();
+    renewed_[static_cast<std::size_t>(at / word_bits)] |= std::uint64_t{1} << at % word_bits;
+  };
+  for (const btRigidBody* body : awake_) renew(body);
+  for (const btRigidBody* body : kinematic_)
+    if (body->isActive()) renew(body);
+  order_.clear();
+  for (std::size_t word = 0; word < renewed_.size(); ++word)
+    for (std::uint64_t rest = renewed_[word]; rest != 0; rest &= rest - 1)
+      order_.push_back(static_cast<int>(word) * word_bits + std::countr_zero(rest));
+
+  const int count = static_cast<int>(order_.size());
+  const auto object = [&](int n) {
+    return m_collisionObjects[order_[static_cast<std::size_t>(n)]];
+  };
+  const auto proxy = [&](int n) {
+    return static_cast<const btDbvtProxy*>(object(n)->getBroadphaseHandle());
+  };
+  for (int n = 0; n < count; ++n) {
+    // Each thing is found through the one that has been asked for before it.
+    if (n + 3 * ahead < count) prefetch_object(object(n + 3 * ahead));
+    if (n + 2 * ahead < count) prefetch(proxy(n + 2 * ahead), sizeof(btDbvtProxy));
+    if (n + ahead < count) prefetch(proxy(n + ahead)->leaf);
+    updateSingleAabb(object(n));
+  }
+}
+
+void DynamicsWorld::integrateTransforms(btScalar dt_s) {
+  find_awake(awake_now_);
+  if (!awake_now_.empty())
+    integrateTransformsInternal(awake_now_.data(), static_cast<int>(awake_now_.size()), dt_s);
+}
+
+void DynamicsWorld::clearForces() {
+  for (btRigidBody* body : awake_) body->clearForces();
+  steps_ = false;
 }
 
 }  // namespace aureole
