@@ -83,7 +83,9 @@ void DynamicsWorld::integrateTransforms(btScalar dt_s) {
     integrateTransformsInternal(awake_now_.data(), static_cast<int>(awake_now_.size()), dt_s);
 }
 
+/// Bullet asks for it after a step of no time too, which has not found anybody.
 void DynamicsWorld::clearForces() {
+  if (!steps_) return btDiscreteDynamicsWorld::clearForces();
   for (btRigidBody* body : awake_) body->clearForces();
   steps_ = false;
 }

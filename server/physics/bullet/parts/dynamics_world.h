@@ -46,7 +46,7 @@ class DynamicsWorld : public btDiscreteDynamicsWorld {
   void find_awake(std::vector<btRigidBody*>& awake);
 
   std::vector<btRigidBody*> kinematic_;
-  bool steps_ = false;
+  bool steps_ = false;  ///< From applyGravity() to clearForces(); only then are these two valid:
   std::vector<btRigidBody*> awake_;      ///< Of `moving()`, when the step began.
   std::vector<btRigidBody*> awake_now_;  ///< The same, when its contacts are solved.
   std::vector<std::uint64_t> renewed_;   ///< Only used within updateAabbs(), like …
