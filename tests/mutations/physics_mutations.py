@@ -21,4 +21,12 @@ MUTATIONS = [
         ((PHYSICS, "A pair that has another's place is not taken for it"),
          (PHYSICS, "Whoever comes and goes, pairs are walked through in Bullet's order")),
     ),
+    Mutation(
+        "woken-stand-still",
+        "who has been woken by what it hangs together with is not moved in that step",
+        "server/physics/bullet/parts/dynamics_world.cpp",
+        "integrateTransformsInternal(awake_now_.data(), static_cast<int>(awake_now_.size()), dt_s);",
+        "integrateTransformsInternal(awake_.data(), static_cast<int>(awake_.size()), dt_s);",
+        ((PHYSICS, "What falls onto a heap falls as in Bullet's own world"),),
+    ),
 ]
