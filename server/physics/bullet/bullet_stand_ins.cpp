@@ -1,10 +1,10 @@
 // Bodies become stand-ins and stand-ins bodies in place: Bullet's object, its box and its manifolds
 // stay, so that a stack does not notice.
-#include "server/physics/bullet/parts/address_order.h"
 #include "server/physics/bullet/bullet_contacts.h"
 #include "server/physics/bullet/bullet_conversions.h"
 #include "server/physics/bullet/bullet_world.h"
 #include "server/physics/bullet/group_proxies.h"
+#include "server/physics/bullet/parts/address_order.h"
 
 namespace aureole {
 namespace {

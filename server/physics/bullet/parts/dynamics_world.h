@@ -27,9 +27,9 @@ class DynamicsWorld : public btDiscreteDynamicsWorld {
   /// What moves along its own velocity; in no order that means anything.
   std::vector<btRigidBody*>& kinematic() { return kinematic_; }
 
-  // Of a step, in the order in which Bullet asks for them.
+  // Parts of a step; what is empty would do nothing for bodies like ours.
   void saveKinematicState(btScalar dt_s) override;
-  /// The first of them that is asked for: finds who is awake.
+  /// The first that asks who is awake: finds them.
   void applyGravity() override;
   void updateAabbs() override;
   void synchronizeMotionStates() override {}

@@ -38,7 +38,10 @@ class Heap {
     paddle_.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
     paddle_.forceActivationState(DISABLE_DEACTIVATION);
     world_.addRigidBody(&paddle_);
-    if constexpr (requires { world_.kinematic(); }) world_.kinematic().push_back(&paddle_);
+    if constexpr (requires { world_.kinematic(); }) {
+      world_.kinematic().push_back(&paddle_);
+      world_.moving().remove(&paddle_);
+    }
     std::mt19937 random(11);
     std::uniform_real_distribution<float> aside(-3, 3);
     for (int n = 0; n < 160; ++n) {
@@ -88,6 +91,9 @@ class Heap {
     ball.setWorldTransform(btTransform(btQuaternion::getIdentity(), to + btVector3(0, 1.5f, 0)));
     ball.setLinearVelocity({0, -15, 0});
     ball.activate(true);
+    // A step of no time takes forces off.
+    ball.applyCentralForce({50, 0, 0});
+    world_.stepSimulation(0, 0);
   }
   int contacts() { return dispatcher_.getNumManifolds(); }
   int asleep() const {
