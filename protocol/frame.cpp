@@ -41,12 +41,16 @@ Bytes encode_frame(FrameType type, std::uint64_t sequence, std::span<const std::
 }
 
 Result<Frame> decode_frame(std::span<const std::byte> bytes) {
-  FrameReader reader(max_payload_bytes);
-  if (auto fed = reader.feed(bytes); !fed) return fed.error();
-  auto frame = reader.next();
-  if (!frame || reader.pending_bytes() != 0)
+  FrameHeader header;
+  if (bytes.size() >= sizeof header) {
+    std::memcpy(&header, bytes.data(), sizeof header);
+    if (auto ok = check_header(header, max_payload_bytes); !ok) return ok.error();
+  }
+  if (bytes.size() < sizeof header || bytes.size() != sizeof header + header.payload_bytes)
     return Error::format("{} bytes are not exactly one frame", bytes.size());
-  return std::move(*frame);
+  const auto payload = bytes.subspan(sizeof header);
+  return Frame{
+      static_cast<FrameType>(header.type), header.sequence, {payload.begin(), payload.end()}};
 }
 
 Status FrameReader::feed(std::span<const std::byte> data) {

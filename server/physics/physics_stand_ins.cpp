@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "server/base/check.h"
+#include "server/base/prefetch.h"
 #include "server/physics/bullet/bullet_contacts.h"
 #include "server/physics/bullet/bullet_queries.h"
 #include "server/physics/physics_world_impl.h"
@@ -48,12 +49,14 @@ void PhysicsWorld::add(std::span<const NewBody> bodies) {
 }
 
 void PhysicsWorld::find_contacts(std::span<const BodyId> sleepers) {
-  detect_contacts(impl_->world, impl_->group_of(sleepers, &Impl::body));
+  detect_contacts(impl_->world, impl_->group_of(sleepers, &Impl::body),
+                  impl_->world.pairs().getNumOverlappingPairs());
   impl_->changed();
 }
 
 void PhysicsWorld::add_stand_ins(std::span<const NewBody> bodies) {
-  std::vector<BulletBody*> fresh, all;
+  std::vector<BulletBody*> fresh, moved;
+  const int pairs_before = impl_->world.pairs().getNumOverlappingPairs();
   for (const NewBody& one : sorted_by_id(bodies)) {
     BulletBody* here = impl_->find(one.id);
     if (here) {
@@ -61,15 +64,28 @@ void PhysicsWorld::add_stand_ins(std::span<const NewBody> bodies) {
                     "a stand-in is moved by its own name and prototype");
       impl_->world.put_state(*here, one.state);
       impl_->world.moved_by_hand(*here, Wake::nobody);
+      moved.push_back(here);
     } else {
-      here = impl_->create(one, Role::stand_in);
-      fresh.push_back(here);
+      fresh.push_back(impl_->create(one, Role::stand_in));
     }
-    all.push_back(here);
   }
   impl_->stand_ins.merge(fresh);
   // A pair of a stand-in and a sleeping body would not be looked at before the body wakes.
-  detect_contacts(impl_->world, all);
+  detect_contacts(impl_->world, moved, pairs_before);
+  impl_->changed();
+}
+
+void PhysicsWorld::wake_what_is_inside(std::span<const BodyId> stand_ins, float deeper_than_m) {
+  for (const BodyId id : stand_ins) {
+    const BulletBody& stand_in = impl_->stand_in(id);
+    for (const btPersistentManifold* manifold : stand_in.manifolds) {
+      BulletBody* inside = other_of(*manifold, stand_in);
+      if (inside == nullptr || inside->immovable()) continue;
+      for (int p = 0; p < manifold->getNumContacts(); ++p)
+        if (manifold->getContactPoint(p).getDistance() < -deeper_than_m)
+          inside->rigid.activate(true);
+    }
+  }
   impl_->changed();
 }
 
@@ -103,7 +119,12 @@ NewBody PhysicsWorld::stand_in(BodyId id) const {
 }
 
 void PhysicsWorld::stand_in_loads(std::vector<StandInLoad>& out) const {
-  for (const BulletBody* stand_in : impl_->stand_ins.bodies) append_loads(*stand_in, out);
+  constexpr std::size_t ahead = 8;
+  const std::vector<BulletBody*>& all = impl_->stand_ins.bodies;
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    if (n + ahead < all.size()) prefetch(&all[n + ahead]->manifolds);
+    append_loads(*all[n], out);
+  }
 }
 
 }  // namespace aureole

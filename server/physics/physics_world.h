@@ -174,6 +174,8 @@ class PhysicsWorld {
   /// Force for the next step (unit: N); wakes the body.
   void apply_force(BodyId id, const Eigen::Vector3f& force);
   void wake(BodyId id);
+  /// Wakes bodies that a contact has deeper inside one of these stand-ins than `deeper_than_m`.
+  void wake_what_is_inside(std::span<const BodyId> stand_ins, float deeper_than_m);
 
   /// Nearest hit on a body, a stand-in or static geometry, `ignore` left out (a body or a
   /// stand-in). A plane is met from above only.

@@ -33,7 +33,7 @@ void BoxRows::clear() {
   fresh_.clear();
   large_.clear();
   rows_.clear();
-  erased_ = false;
+  erased_.clear();
 }
 
 void BoxRows::insert(Number number, const AuraBox& box) {
@@ -53,7 +53,7 @@ void BoxRows::erase(Number number, const AuraBox& box) {
   if (at != entries_.end() && is_it(*at)) {
     // It keeps its place in the order until the next settle().
     at->box.low[2] = erased;
-    erased_ = true;
+    erased_.push_back(static_cast<std::size_t>(at - entries_.begin()));
     return;
   }
   const auto gone = std::erase_if(fresh_, is_it) + std::erase_if(large_, is_it);
@@ -61,16 +61,72 @@ void BoxRows::erase(Number number, const AuraBox& box) {
 }
 
 void BoxRows::settle() {
-  if (fresh_.empty() && !erased_) return;
-  if (erased_)
-    std::erase_if(entries_, [](const Entry& entry) { return entry.box.low[2] == erased; });
-  erased_ = false;
+  if (fresh_.empty() && erased_.empty()) return;
+  changed_rows_.clear();
+  drop_erased();
+  take_in_fresh();
+  renew_rows();
+}
+
+/// What lies between two of them moves down as one block.
+void BoxRows::drop_erased() {
+  if (erased_.empty()) return;
+  std::sort(erased_.begin(), erased_.end());
+  auto to = entries_.begin() + static_cast<std::ptrdiff_t>(erased_.front());
+  for (std::size_t n = 0; n < erased_.size(); ++n) {
+    const auto gone = entries_.begin() + static_cast<std::ptrdiff_t>(erased_[n]);
+    const auto end = n + 1 < erased_.size()
+                         ? entries_.begin() + static_cast<std::ptrdiff_t>(erased_[n + 1])
+                         : entries_.end();
+    changed_rows_.push_back(gone->row);
+    to = std::move(gone + 1, end, to);
+  }
+  entries_.erase(to, entries_.end());
+  erased_.clear();
+}
+
+void BoxRows::take_in_fresh() {
+  if (fresh_.empty()) return;
   std::sort(fresh_.begin(), fresh_.end(), IsBefore{});
+  for (const Entry& entry : fresh_) changed_rows_.push_back(entry.row);
   const auto middle = static_cast<std::ptrdiff_t>(entries_.size());
   entries_.insert(entries_.end(), fresh_.begin(), fresh_.end());
   merge_in(entries_, middle, IsBefore{});
   fresh_.clear();
-  count_rows(entries_);
+}
+
+/// Few come and go at a time: only their rows are gone through again.
+void BoxRows::renew_rows() {
+  const auto is_outside = [&](std::int32_t row) {
+    return row < first_row_ || row - first_row_ + 1 >= static_cast<std::int32_t>(rows_.size());
+  };
+  if (changed_rows_.size() > rows_.size() / 4 ||
+      std::any_of(changed_rows_.begin(), changed_rows_.end(), is_outside)) {
+    count_rows(entries_);
+    return;
+  }
+  std::sort(changed_rows_.begin(), changed_rows_.end());
+  changed_rows_.erase(std::unique(changed_rows_.begin(), changed_rows_.end()), changed_rows_.end());
+  for (const std::int32_t number : changed_rows_) {
+    const auto at = static_cast<std::size_t>(number - first_row_);
+    Row renewed;
+    renewed.begin = rows_[at].begin;
+    std::uint32_t end = renewed.begin;
+    for (; end < entries_.size() && entries_[end].row == number; ++end)
+      renewed.take_in(entries_[end].box);
+    rows_[at] = renewed;
+    // Unsigned: what is taken from each wraps around as it should.
+    const std::uint32_t more = end - rows_[at + 1].begin;
+    if (more == 0) continue;
+    for (std::size_t behind = at + 1; behind < rows_.size(); ++behind) rows_[behind].begin += more;
+  }
+  // Rows that nobody is left in are left out at the ends.
+  if (rows_.front().is_empty() || rows_[rows_.size() - 2].is_empty()) {
+    count_rows(entries_);
+    return;
+  }
+  deepest_m_ = 0;
+  for (const Row& row : rows_) deepest_m_ = std::max(deepest_m_, row.deepest_m);
 }
 
 void BoxRows::build(std::span<const AuraBox> boxes) {
@@ -89,6 +145,14 @@ void BoxRows::build(std::span<const AuraBox> boxes) {
     std::sort(entries_.begin() + rows_[row].begin, entries_.begin() + next_[row], IsBefore{});
 }
 
+void BoxRows::Row::take_in(const RoughBox& box) {
+  widest_m = std::max(widest_m, box.high[0] - box.low[0]);
+  deepest_m = std::max(deepest_m, box.high[2] - box.low[2]);
+  low_x = std::min(low_x, box.low[0]);
+  high_x = std::max(high_x, box.high[0]);
+  high_z = std::max(high_z, box.high[2]);
+}
+
 void BoxRows::count_rows(std::span<const Entry> entries) {
   deepest_m_ = 0;
   rows_.clear();
@@ -100,14 +164,9 @@ void BoxRows::count_rows(std::span<const Entry> entries) {
   }
   rows_.resize(static_cast<std::size_t>(last_row - first_row_) + 2);
   for (const Entry& entry : entries) {
-    const RoughBox& box = entry.box;
-    deepest_m_ = std::max(deepest_m_, box.high[2] - box.low[2]);
     const auto number = static_cast<std::size_t>(entry.row - first_row_);
-    Row& row = rows_[number];
-    row.widest_m = std::max(row.widest_m, box.high[0] - box.low[0]);
-    row.low_x = std::min(row.low_x, box.low[0]);
-    row.high_x = std::max(row.high_x, box.high[0]);
-    row.high_z = std::max(row.high_z, box.high[2]);
+    rows_[number].take_in(entry.box);
+    deepest_m_ = std::max(deepest_m_, rows_[number].deepest_m);
     ++rows_[number + 1].begin;
   }
   for (std::size_t row = 1; row < rows_.size(); ++row) rows_[row].begin += rows_[row - 1].begin;

@@ -83,6 +83,9 @@ class BoxRows {
     return at - entries + (at->box.low[0] < x ? 1 : 0);
   }
   void count_rows(std::span<const Entry> entries);
+  void drop_erased();
+  void take_in_fresh();
+  void renew_rows();
   static std::int32_t row_of(float z);
   /// Calls `look(entry, row)` for all that may overlap, row by row, and then for those kept apart.
   template <class Look>
@@ -96,28 +99,30 @@ class BoxRows {
         continue;
       auto at = entries_.begin() + row.begin;
       const auto end = entries_.begin() + rows_[static_cast<std::size_t>(number) + 1].begin;
-      if (end - at > long_row)
-        at += first_from(&*at, end - at, asked.low[0] - row.widest_m);
+      if (end - at > long_row) at += first_from(&*at, end - at, asked.low[0] - row.widest_m);
       for (; at != end && at->box.low[0] <= asked.high[0]; ++at) look(*at, at->row);
     }
     for (const Entry& entry : large_) look(entry, std::numeric_limits<std::int32_t>::max());
   }
 
-  std::vector<Entry> entries_;  ///< Sorted.
-  std::vector<Entry> fresh_;    ///< Since settle().
-  std::vector<Entry> large_;    ///< Kept apart.
-  bool erased_ = false;         ///< Some of `entries_` are.
+  std::vector<Entry> entries_;       ///< Sorted.
+  std::vector<Entry> fresh_;         ///< Since settle().
+  std::vector<Entry> large_;         ///< Kept apart.
+  std::vector<std::size_t> erased_;  ///< Places in `entries_` that are, since settle().
   struct Row {
     static constexpr float nowhere = std::numeric_limits<float>::infinity();
     std::uint32_t begin = 0;
-    float widest_m = 0;  ///< Of its boxes.
+    float widest_m = 0, deepest_m = 0;  ///< Of its boxes.
     /// Around its boxes; nothing overlaps an empty one.
     float low_x = nowhere, high_x = -nowhere, high_z = -nowhere;
+    bool is_empty() const { return low_x == nowhere; }
+    void take_in(const RoughBox& box);
   };
   float deepest_m_ = 0;
   std::int32_t first_row_ = 0;
   std::vector<Row> rows_;  ///< From the first one on; one more begins where the last ends.
-  std::vector<std::uint32_t> next_;  ///< Only used within build().
+  std::vector<std::uint32_t> next_;         ///< Only used within build().
+  std::vector<std::int32_t> changed_rows_;  ///< Only used within settle(); some twice.
 };
 
 }  // namespace aureole

@@ -181,13 +181,17 @@ void install_contacts(BulletWorld& world, std::vector<CarriedContact> carried) {
   }
 }
 
-void detect_contacts(BulletWorld& world, std::span<BulletBody* const> group) {
+void detect_contacts(BulletWorld& world, std::span<BulletBody* const> group, int pairs_before) {
   std::vector<std::pair<PairKey, btBroadphasePair*>> pairs;
+  const auto add = [&](const btBroadphasePair& pair) {
+    pairs.emplace_back(PairKey(*pair.m_pProxy0, *pair.m_pProxy1),
+                       const_cast<btBroadphasePair*>(&pair));
+  };
+  const btBroadphasePairArray& all = world.pairs().getOverlappingPairArray();
+  for (int i = pairs_before; i < all.size(); ++i) add(all[i]);
   for (BulletBody* body : group)
-    for_each_pair(world, *body, [&](btCollisionObject&, const btBroadphasePair& pair) {
-      pairs.emplace_back(PairKey(*pair.m_pProxy0, *pair.m_pProxy1),
-                         const_cast<btBroadphasePair*>(&pair));
-    });
+    for_each_pair(world, *body,
+                  [&](btCollisionObject&, const btBroadphasePair& pair) { add(pair); });
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   for (const auto& [key, pair] : pairs) look_at(world, *pair);

@@ -27,8 +27,10 @@ std::vector<ContactManifold> extract_contacts(BulletWorld& world,
                                               std::span<BulletBody* const> group,
                                               Partners partners);
 
-/// Looks at all pairs of the group at once, asleep or not, as the next step would at those awake.
-void detect_contacts(BulletWorld& world, std::span<BulletBody* const> group);
+/// Looks at all pairs of the group at once, asleep or not, as the next step would at those awake;
+/// and at those that have been found since there were `pairs_before` of them, none having gone: to
+/// whoever is new there are no others.
+void detect_contacts(BulletWorld& world, std::span<BulletBody* const> group, int pairs_before);
 
 /// Makes sure that each pair has been looked at, asleep or not, then replaces its points.
 void install_contacts(BulletWorld& world, std::vector<CarriedContact> carried);

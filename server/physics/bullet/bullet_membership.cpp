@@ -6,6 +6,7 @@
 #include "server/physics/bullet/bullet_world.h"
 #include "server/physics/bullet/group_proxies.h"
 #include "server/physics/bullet/parts/address_order.h"
+#include "server/physics/bullet/parts/bullet_prefetch.h"
 
 namespace aureole {
 namespace {
@@ -98,6 +99,7 @@ void BulletWorld::erase_all(std::span<BulletBody* const> all) {
 }
 
 void BulletWorld::moved_by_hand(BulletBody& body, Wake wake) {
+  for (const btPersistentManifold* manifold : body.manifolds) prefetch_manifold(manifold);
   for (btPersistentManifold* manifold : body.manifolds) {
     if (manifold->getNumContacts() == 0) continue;
     BulletBody* other = other_of(*manifold, body);

@@ -10,6 +10,7 @@
 
 #include "protocol/frame.h"
 #include "protocol/quantise.h"
+#include "protocol/wire.h"
 #include "server/aura/migration_policy.h"
 #include "server/base/ids.h"
 #include "server/base/result.h"
@@ -127,12 +128,30 @@ class AuraExchange {
     std::vector<Projection> projected_now;  ///< The same.
     SharedBytes frame;
   };
-  struct Message;
+  /// What goes into a frame.
+  struct Message {
+    std::vector<wire::Aura> auras;
+    std::vector<wire::AuraMotion> moved;
+    std::vector<wire::Resting> resting;
+    std::vector<std::uint64_t> removed, handed_over;
+
+    bool empty() const {
+      return auras.empty() && moved.empty() && resting.empty() && removed.empty() &&
+             handed_over.empty();
+    }
+    void clear() {
+      auras.clear();
+      moved.clear();
+      resting.clear();
+      removed.clear();
+      handed_over.clear();
+    }
+  };
   static std::uint16_t take_slot(Peer& peer);
   static void tell(Peer& peer, const Wanted& wanted, Projection& projection, bool known,
                    const AuraBodies& bodies, Message& message);
-  static SharedBytes frame_for(Peer& peer, const std::vector<HandoverRequest>& pulls, Tick now,
-                               const AuraBodies& bodies);
+  SharedBytes frame_for(Peer& peer, const std::vector<HandoverRequest>& pulls, Tick now,
+                        const AuraBodies& bodies);
 
   /// Auras themselves are too large to be sorted.
   struct Told {
@@ -142,6 +161,8 @@ class AuraExchange {
   std::map<RegionId, Peer> peers_;
   std::vector<RemoteAura> remote_;
   std::vector<Told> told_, told_before_, told_by_one_;  ///< Only used within take_in().
+  Message message_;  ///< Only used within announce(), like the next; kept for their memory.
+  flatbuffers::FlatBufferBuilder builder_;
   std::vector<RestingNews> resting_news_;
   bool changed_ = true;
 };

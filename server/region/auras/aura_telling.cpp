@@ -48,19 +48,6 @@ bool has_crept(const WorldPosition& from, const Eigen::Quaternionf& turned_from,
 
 }  // namespace
 
-/// What goes into a frame.
-struct AuraExchange::Message {
-  std::vector<wire::Aura> auras;
-  std::vector<wire::AuraMotion> moved;
-  std::vector<wire::Resting> resting;
-  std::vector<std::uint64_t> removed, handed_over;
-
-  bool empty() const {
-    return auras.empty() && moved.empty() && resting.empty() && removed.empty() &&
-           handed_over.empty();
-  }
-};
-
 std::uint16_t AuraExchange::take_slot(Peer& peer) {
   if (peer.free_slots.empty()) return peer.next_slot == no_slot ? no_slot : peer.next_slot++;
   const std::uint16_t slot = peer.free_slots.back();
@@ -109,7 +96,8 @@ void AuraExchange::tell(Peer& peer, const Wanted& wanted, Projection& projection
 
 SharedBytes AuraExchange::frame_for(Peer& peer, const std::vector<HandoverRequest>& pulls, Tick now,
                                     const AuraBodies& bodies) {
-  Message message;
+  Message& message = message_;
+  message.clear();
   std::vector<Projection>& projected = peer.projected_now;
   projected.clear();
   auto before = peer.projected.begin();
@@ -135,9 +123,8 @@ SharedBytes AuraExchange::frame_for(Peer& peer, const std::vector<HandoverReques
     asked.push_back(pull.body.value);
     asked_to.push_back(pull.to.value);
   }
-  flatbuffers::FlatBufferBuilder builder(256 + message.auras.size() * sizeof(wire::Aura) +
-                                         message.moved.size() * sizeof(wire::AuraMotion) +
-                                         message.resting.size() * sizeof(wire::Resting));
+  flatbuffers::FlatBufferBuilder& builder = builder_;
+  builder.Clear();
   // Empty lists are left out: few bytes, but in every message to every neighbour.
   const auto structs = [&](const auto& list) {
     using Offset = decltype(builder.CreateVectorOfStructs(list));

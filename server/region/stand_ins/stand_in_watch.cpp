@@ -2,6 +2,7 @@
 #include "server/region/stand_ins/stand_in_watch.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "server/aura/adaptive/outlook/aura_size.h"
 
@@ -15,19 +16,22 @@ constexpr std::int64_t absent_ticks = 8;
 
 /// Notes who leans on other stand-ins than before: both lists ascend.
 void StandInWatch::note_cut(std::span<const BodyId> stand_ins, Tick now) {
-  auto present = stand_ins.begin();
-  for (const auto& [who, pair] : pairs_) {
-    while (present != stand_ins.end() && *present < who.first) ++present;
-    const bool is_gone = present == stand_ins.end() || *present != who.first;
-    if (is_gone && pair.last == last_look_) cut_anew_[who.second] = now;
+  // In most steps the same stand as in the one before.
+  const Tick last_look = std::exchange(last_look_, now);
+  if (!std::equal(stand_ins.begin(), stand_ins.end(), stand_ins_.begin(), stand_ins_.end())) {
+    auto present = stand_ins.begin();
+    for (const auto& [who, pair] : pairs_) {
+      while (present != stand_ins.end() && *present < who.first) ++present;
+      const bool is_gone = present == stand_ins.end() || *present != who.first;
+      if (is_gone && pair.last == last_look) cut_anew_[who.second] = now;
+    }
+    auto known = stand_ins_.begin();
+    for (const BodyId id : stand_ins) {
+      while (known != stand_ins_.end() && *known < id) ++known;
+      if (known == stand_ins_.end() || *known != id) fresh_[id] = now;
+    }
+    stand_ins_.assign(stand_ins.begin(), stand_ins.end());
   }
-  last_look_ = now;
-  auto known = stand_ins_.begin();
-  for (const BodyId id : stand_ins) {
-    while (known != stand_ins_.end() && *known < id) ++known;
-    if (known == stand_ins_.end() || *known != id) fresh_[id] = now;
-  }
-  stand_ins_.assign(stand_ins.begin(), stand_ins.end());
   std::erase_if(fresh_, [&](const auto& f) { return now - f.second >= settling_ticks; });
   if (fresh_.empty()) return;
   for (const StandInLoad& load : loads_)

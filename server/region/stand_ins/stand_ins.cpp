@@ -14,10 +14,12 @@ bool same_pose(const BodyState& a, const BodyState& b) {
 
 void StandIns::note(BodyId id, const Entry& entry) {
   entries_[id] = entry;
-  if (entry.vouched)
+  if (entry.vouched) {
     unvouched_.erase(id);
-  else
-    unvouched_[id] = entry.since;
+    return;
+  }
+  unvouched_from_ = unvouched_.empty() ? entry.since : std::min(unvouched_from_, entry.since);
+  unvouched_[id] = entry.since;
 }
 
 void StandIns::drop(BodyId id) {
@@ -63,7 +65,7 @@ void StandIns::put_up_what_is_near() {
   std::vector<BodyId> ids;
   for (const NewBody& body : near) ids.push_back(body.id);
   physics_.add_stand_ins(near);
-  wake_what_is_inside(ids);
+  physics_.wake_what_is_inside(ids, overlap_wakes_m);
 }
 
 void StandIns::put(const NewBody& body, const Entry& entry) {
@@ -80,17 +82,6 @@ void StandIns::put(const NewBody& body, const Entry& entry) {
   if (physics_.is_stand_in(body.id) && same_pose(physics_.stand_in(body.id).state, body.state))
     return;
   physics_.add_stand_ins(std::span(&body, 1));
-}
-
-void StandIns::wake_what_is_inside(std::span<const BodyId> stand_ins) {
-  for (const ContactManifold& manifold : physics_.contacts_around(stand_ins)) {
-    const bool deep = std::any_of(manifold.points.begin(), manifold.points.end(),
-                                  [](auto& point) { return point.distance < -overlap_wakes_m; });
-    if (!deep) continue;
-    if (physics_.contains(manifold.a)) physics_.wake(manifold.a);
-    if (const auto* b = std::get_if<BodyId>(&manifold.b); b && physics_.contains(*b))
-      physics_.wake(*b);
-  }
 }
 
 void StandIns::left(std::span<const BodyId> ids, RegionId to, Tick now) {
@@ -147,7 +138,7 @@ void StandIns::take(std::span<const RestingNews> news, Tick now) {
   std::sort(fresh.begin(), fresh.end());
   fresh.erase(std::unique(fresh.begin(), fresh.end()), fresh.end());
   std::erase_if(fresh, [&](BodyId id) { return !physics_.is_stand_in(id); });
-  if (!fresh.empty()) wake_what_is_inside(fresh);
+  if (!fresh.empty()) physics_.wake_what_is_inside(fresh, overlap_wakes_m);
 }
 
 void StandIns::tidy(std::span<const RemoteAura> remote, Tick now) {
@@ -156,8 +147,14 @@ void StandIns::tidy(std::span<const RemoteAura> remote, Tick now) {
   std::vector<BodyId> down;
   for (const RemoteAura& aura : remote)
     if (aura.left_its_place && entries_.contains(aura.id)) down.push_back(aura.id);
-  for (const auto& [id, since] : unvouched_)
-    if (now - since > grace_ticks) down.push_back(id);
+  if (now - unvouched_from_ > grace_ticks) {
+    unvouched_from_ = now;
+    for (const auto& [id, since] : unvouched_)
+      if (now - since > grace_ticks)
+        down.push_back(id);
+      else
+        unvouched_from_ = std::min(unvouched_from_, since);
+  }
   std::sort(down.begin(), down.end());
   down.erase(std::unique(down.begin(), down.end()), down.end());
   take_down(down);

@@ -68,7 +68,6 @@ class StandIns {
   bool is_near_ours(const NewBody& body) const {
     return !ours_ || ours_->is_near(body.state.position);
   }
-  void wake_what_is_inside(std::span<const BodyId> stand_ins);
   /// A stand-in that has become a body (born or claimed here under that name) is one no more.
   void forget_bodies();
 
@@ -81,6 +80,7 @@ class StandIns {
   std::map<BodyId, Entry> entries_;
   /// Those of `entries_`, and since when; most of a heap that rests is vouched for.
   std::map<BodyId, Tick> unvouched_;
+  Tick unvouched_from_;  ///< Nobody has been for longer than since then.
   /// Those of `entries_` that do not stand.
   std::map<BodyId, NewBody> away_;
   std::optional<Whereabouts> ours_;

@@ -21,6 +21,7 @@ Whereabouts::Whereabouts(const Box3& bounds, double largest_radius_m)
   const Eigen::Vector3d extent = bounds.max - bounds.min;
   edge_m_ = std::max({least_m, 2 * largest_radius_m, extent.x() / double{side_max},
                       extent.z() / double{side_max}});
+  per_edge_ = 1 / edge_m_;
   columns_ = squares(extent.x(), edge_m_, side_max);
   rows_ = squares(extent.z(), edge_m_, side_max);
   noted_.assign(columns_ * rows_, 0);

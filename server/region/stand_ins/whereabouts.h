@@ -31,21 +31,21 @@ class Whereabouts {
 
  private:
   static constexpr std::size_t side_max = 256;
-  static std::size_t index(double offset_m, double edge_m, std::size_t side);
+  std::size_t index(double offset_m, std::size_t side) const;
   std::size_t square_at(const WorldPosition& centre) const {
-    return index(centre.z - low_z_, edge_m_, rows_) * columns_ +
-           index(centre.x - low_x_, edge_m_, columns_);
+    return index(centre.z - low_z_, rows_) * columns_ + index(centre.x - low_x_, columns_);
   }
   void mark(std::size_t square);
 
   double low_x_, low_z_, edge_m_;
+  double per_edge_ = 0;  ///< 1/m: to divide for every body in every step takes its time.
   std::size_t columns_, rows_;
   std::vector<std::uint8_t> noted_, near_;
   bool grown_ = false;
 };
 
-inline std::size_t Whereabouts::index(double offset_m, double edge_m, std::size_t side) {
-  const double at = offset_m / edge_m;
+inline std::size_t Whereabouts::index(double offset_m, std::size_t side) const {
+  const double at = offset_m * per_edge_;
   // Written so that what is not a number comes to the first square.
   if (!(at > 0)) return 0;
   return at < static_cast<double>(side) ? static_cast<std::size_t>(at) : side - 1;

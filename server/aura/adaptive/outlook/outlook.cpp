@@ -2,6 +2,7 @@
 #include "server/aura/adaptive/outlook/outlook.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "server/aura/adaptive/outlook/aura_size.h"
 
@@ -80,10 +81,14 @@ void Outlook::look(const MigrationSituation& s) {
 
 void Outlook::look_at_others(std::span<const RemoteAura> remote) {
   remote_boxes_.clear();
+  constexpr double nowhere = std::numeric_limits<double>::infinity();
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(nowhere), high = -low;
   for (const RemoteAura& aura : remote) {
     const AuraBox& box = remote_boxes_.emplace_back(aura.room.box());
-    around_others_ = remote_boxes_.size() == 1 ? box : joined(around_others_, box);
+    low = low.cwiseMin(box.centre - box.half);
+    high = high.cwiseMax(box.centre + box.half);
   }
+  if (!remote.empty()) around_others_ = {0.5 * (low + high), 0.5 * (high - low)};
   remote_rows_.build(remote_boxes_);
 }
 

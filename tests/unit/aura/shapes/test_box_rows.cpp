@@ -86,6 +86,53 @@ TEST_CASE("without boxes nothing is found, and what is built again forgets the f
   REQUIRE(found.empty());
 }
 
+TEST_CASE("who comes and goes leaves rows as those of whoever is there") {
+  Dice dice;
+  for (const double world_m : {6.0, 60.0, 600.0}) {
+    std::vector<std::pair<std::uint32_t, AuraBox>> present;  // In the order in which they came.
+    std::uint32_t next = 0;
+    BoxRows rows;
+    for (int round = 0; round < 400; ++round) {
+      // Now many at once, now few; at last all of them go.
+      const int coming = round > 380       ? 0
+                         : round % 40 == 0 ? 60
+                                           : static_cast<int>(dice.between(0, 4));
+      const int going =
+          round > 380 ? 20 : static_cast<int>(dice.between(0, round % 50 == 49 ? 90 : 4));
+      for (int n = 0; n < coming; ++n) {
+        const AuraBox box = box_of(dice, world_m, round % 7 == 0 ? 9 : 1.5);
+        present.emplace_back(next, box);
+        rows.insert(next++, box);
+        // One that goes before it has been sorted in.
+        if (n % 5 == 4) {
+          rows.erase(present.back().first, present.back().second);
+          present.pop_back();
+        }
+      }
+      for (int n = 0; n < going && !present.empty(); ++n) {
+        const auto who =
+            present.begin() + static_cast<std::ptrdiff_t>(dice.engine() % present.size());
+        rows.erase(who->first, who->second);
+        present.erase(who);
+      }
+      rows.settle();
+      BoxRows anew;
+      for (const auto& [number, box] : present) anew.insert(number, box);
+      anew.settle();
+      for (int n = 0; n < 12; ++n) {
+        const AuraBox asked = n % 2 == 0 || present.empty()
+                                  ? box_of(dice, 1.2 * world_m, 4)
+                                  : present[dice.engine() % present.size()].second;
+        std::vector<std::uint32_t> found, expected;
+        rows.find(asked, found);
+        anew.find(asked, expected);
+        REQUIRE(found == expected);
+      }
+    }
+    REQUIRE(present.empty());
+  }
+}
+
 TEST_CASE("the gap of two capsules is that of their nearest points") {
   Dice dice;
   for (int n = 0; n < 300; ++n) {
