@@ -35,12 +35,12 @@ wire::PlayerStatus to_wire(const Avatar& a) {
   return {a.player.value, a.session, a.applied_sequence, a.connected, a.carried.value};
 }
 
-SharedBytes frame_of(Tick now, bool complete, std::span<const wire::ReplicaKey> keys,
+SharedBytes frame_of(flatbuffers::FlatBufferBuilder& builder, Tick now, bool complete,
+                     std::span<const wire::ReplicaKey> keys,
                      std::span<const wire::ReplicaMotion> motions,
                      std::span<const wire::ReplicaRemoved> removed,
                      std::span<const wire::PlayerStatus> players) {
-  flatbuffers::FlatBufferBuilder builder(128 + keys.size_bytes() + motions.size_bytes() +
-                                         removed.size_bytes() + players.size_bytes());
+  builder.Clear();
   const auto keys_at = builder.CreateVectorOfStructs(keys.data(), keys.size());
   const auto motions_at = builder.CreateVectorOfStructs(motions.data(), motions.size());
   const auto removed_at = builder.CreateVectorOfStructs(removed.data(), removed.size());
@@ -91,8 +91,8 @@ struct ReplicaPublisher::Round {
   std::size_t kept = 0;           ///< So many of those followed before have been looked at and stay.
   std::vector<Followed> woken{};  ///< To be followed from now on; ascending.
   std::vector<BodyId> still_due{};
-  std::vector<wire::ReplicaKey> keys{};
-  std::vector<wire::ReplicaMotion> motions{};
+  std::vector<wire::ReplicaKey>& keys;
+  std::vector<wire::ReplicaMotion>& motions;
 };
 
 /// False: there is no room left. More would not fit a frame together with everybody's motion; the
@@ -163,8 +163,9 @@ void ReplicaPublisher::follow(Round& round, const NewBody& body, Followed& follo
 
 SharedBytes ReplicaPublisher::update(Tick now, const PhysicsWorld& world,
                                      std::span<const Avatar* const> avatars) {
-  Round round{.now = now, .world = world};
-  round.motions.reserve(followed_.size());
+  keys_.clear();
+  motions_.clear();
+  Round round{.now = now, .world = world, .keys = keys_, .motions = motions_};
   std::size_t& next_followed = round.next_followed;
   std::size_t& next_due = round.next_due;
   std::sort(due_.begin(), due_.end());
@@ -210,7 +211,7 @@ SharedBytes ReplicaPublisher::update(Tick now, const PhysicsWorld& world,
     now_known.emplace(a->player, sent);
   }
   players_ = std::move(now_known);
-  return frame_of(now, true, round.keys, round.motions, removed, players);
+  return frame_of(builder_, now, true, keys_, motions_, removed, players);
 }
 
 std::vector<SharedBytes> ReplicaPublisher::whole_state(Tick now, const PhysicsWorld& world,
@@ -230,11 +231,12 @@ std::vector<SharedBytes> ReplicaPublisher::whole_state(Tick now, const PhysicsWo
   for (const Avatar* a : avatars) players.push_back(to_wire(*a));
 
   std::vector<SharedBytes> frames;
+  flatbuffers::FlatBufferBuilder builder;  // Its memory is much, and seldom wanted.
   std::size_t at = 0;
   do {
     const std::size_t count = std::min(keys_per_frame, keys.size() - at);
     const bool last = at + count == keys.size();
-    frames.push_back(frame_of(now, last, std::span(keys).subspan(at, count), {}, {},
+    frames.push_back(frame_of(builder, now, last, std::span(keys).subspan(at, count), {}, {},
                               last ? std::span<const wire::PlayerStatus>(players)
                                    : std::span<const wire::PlayerStatus>()));
     at += count;

@@ -12,6 +12,7 @@
 
 #include "protocol/frame.h"
 #include "protocol/quantise.h"
+#include "protocol/wire.h"
 #include "server/base/ids.h"
 #include "server/base/tick.h"
 #include "server/physics/physics_world.h"
@@ -93,6 +94,10 @@ class ReplicaPublisher {
     friend bool operator==(const PlayerSent&, const PlayerSent&) = default;
   };
   std::unordered_map<PlayerId, PlayerSent> players_;
+  // Kept from update to update for their memory.
+  std::vector<wire::ReplicaKey> keys_;
+  std::vector<wire::ReplicaMotion> motions_;
+  flatbuffers::FlatBufferBuilder builder_;
 };
 
 }  // namespace aureole
