@@ -34,9 +34,9 @@ Bytes encode_frame(FrameType type, std::uint64_t sequence, std::span<const std::
   AUREOLE_CHECK(padded <= max_payload_bytes, "senders split what does not fit a frame");
   const FrameHeader header{static_cast<std::uint32_t>(padded), static_cast<std::uint16_t>(type), 0,
                            sequence};
+  // Not filled with zeros first: nearly all of it is about to be written.
   Bytes bytes;
-  bytes.reserve(sizeof header +
-                padded);  // Not filled with zeros first: most of it is written once.
+  bytes.reserve(sizeof header + padded);
   const auto head = std::as_bytes(std::span(&header, 1));
   bytes.insert(bytes.end(), head.begin(), head.end());
   bytes.insert(bytes.end(), payload.begin(), payload.end());
