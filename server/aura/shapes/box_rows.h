@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -9,6 +11,7 @@
 #include <vector>
 
 #include "server/aura/shapes/aura_box.h"
+#include "server/aura/shapes/box_question.h"
 
 namespace aureole {
 
@@ -54,9 +57,7 @@ class BoxRows {
   /// The same, as `found(hit)`.
   template <class Found>
   void find_each(const RoughBox& asked, Found&& found) const {
-    for_each_row(asked, [&](const Entry& entry, std::int32_t row) {
-      if (entry.box.meets(asked)) found(Hit{entry.number, {row, entry.box.low[0]}, entry.box});
-    });
+    look_through_rows(asked, found);
   }
 
  private:
@@ -77,7 +78,7 @@ class BoxRows {
     const Entry* at = entries;
     while (count > 1) {
       const std::ptrdiff_t half = count / 2;
-      at += at[half - 1].box.low[0] < x ? half : 0;
+      at += half & -std::ptrdiff_t{at[half - 1].box.low[0] < x};
       count -= half;
     }
     return at - entries + (at->box.low[0] < x ? 1 : 0);
@@ -87,9 +88,13 @@ class BoxRows {
   void take_in_fresh();
   void renew_rows();
   static std::int32_t row_of(float z);
-  /// Calls `look(entry, row)` for all that may overlap, row by row, and then for those kept apart.
-  template <class Look>
-  void for_each_row(const RoughBox& asked, Look&& look) const {
+  static Hit hit_of(const Entry& entry, std::int32_t row) {
+    return {entry.number, {row, entry.box.low[0]}, entry.box};
+  }
+  /// Row by row, and then those kept apart.
+  template <class Found>
+  void look_through_rows(const RoughBox& asked, Found&& found) const {
+    const BoxQuestion question(asked);
     const auto rows = static_cast<std::int32_t>(rows_.size()) - 1;
     const std::int32_t first = std::max(row_of(asked.low[2] - deepest_m_) - first_row_, 0);
     const std::int32_t last = std::min(row_of(asked.high[2]) - first_row_, rows - 1);
@@ -97,12 +102,33 @@ class BoxRows {
       const Row& row = rows_[static_cast<std::size_t>(number)];
       if (row.low_x > asked.high[0] || row.high_x < asked.low[0] || row.high_z < asked.low[2])
         continue;
-      auto at = entries_.begin() + row.begin;
-      const auto end = entries_.begin() + rows_[static_cast<std::size_t>(number) + 1].begin;
-      if (end - at > long_row) at += first_from(&*at, end - at, asked.low[0] - row.widest_m);
-      for (; at != end && at->box.low[0] <= asked.high[0]; ++at) look(*at, at->row);
+      const Entry* at = entries_.data() + row.begin;
+      const Entry* end = entries_.data() + rows_[static_cast<std::size_t>(number) + 1].begin;
+      if (end - at > long_row) at += first_from(at, end - at, asked.low[0] - row.widest_m);
+      look_through(at, end, asked, question, found);
     }
-    for (const Entry& entry : large_) look(entry, std::numeric_limits<std::int32_t>::max());
+    for (const Entry& entry : large_)
+      if (question.met_by(entry.box))
+        found(hit_of(entry, std::numeric_limits<std::int32_t>::max()));
+  }
+  /// Those of one row that begin near enough. Whether a box is met can hardly be foretold: who are
+  /// is noted in the bits of a word first, without a branch for each.
+  template <class Found>
+  static void look_through(const Entry* at, const Entry* end, const RoughBox& asked,
+                           const BoxQuestion& question, Found&& found) {
+    constexpr std::ptrdiff_t word_bits = 32;
+    for (;;) {
+      std::uint32_t met = 0;
+      std::ptrdiff_t n = 0;
+      for (; n < word_bits && at + n != end && at[n].box.low[0] <= asked.high[0]; ++n)
+        met |= std::uint32_t{question.met_by(at[n].box)} << n;
+      for (; met != 0; met &= met - 1) {
+        const Entry& entry = at[std::countr_zero(met)];
+        found(hit_of(entry, entry.row));
+      }
+      if (n < word_bits) return;
+      at += word_bits;
+    }
   }
 
   std::vector<Entry> entries_;       ///< Sorted.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/physics/bullet/bullet_conversions.h"
+#include "server/physics/bullet/parts/bullet_prefetch.h"
 
 namespace aureole {
 namespace {
@@ -81,6 +82,8 @@ std::vector<BodyId> bodies_touching(BulletWorld& world, const BulletBody& body) 
 std::size_t find_touching(const BulletBody& body, std::vector<std::uint32_t>& found) {
   found.clear();
   std::size_t on_stand_ins = 0;
+  // Each lies somewhere else: they are fetched side by side, not one after another.
+  for (const btPersistentManifold* manifold : body.manifolds) prefetch_partners(manifold);
   for (const btPersistentManifold* manifold : body.manifolds) {
     if (manifold->getNumContacts() == 0) continue;
     const BulletBody* other = other_of(*manifold, body);
