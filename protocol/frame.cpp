@@ -27,6 +27,24 @@ Status check_header(const FrameHeader& header, std::size_t max_payload) {
   return Ok{};
 }
 
+/// Of the frame that `bytes` begin with, if they are enough for that; not checked yet.
+std::optional<FrameHeader> read_header(std::span<const std::byte> bytes) {
+  FrameHeader header;
+  if (bytes.size() < sizeof header) return std::nullopt;
+  std::memcpy(&header, bytes.data(), sizeof header);
+  return header;
+}
+
+std::size_t size_of(const FrameHeader& header) {
+  return sizeof header + header.payload_bytes;
+}
+
+/// `bytes` begin with all of it.
+Frame cut_out(const FrameHeader& header, std::span<const std::byte> bytes) {
+  const auto payload = bytes.subspan(sizeof header, header.payload_bytes);
+  return {static_cast<FrameType>(header.type), header.sequence, {payload.begin(), payload.end()}};
+}
+
 }  // namespace
 
 Bytes encode_frame(FrameType type, std::uint64_t sequence, std::span<const std::byte> payload) {
@@ -45,16 +63,12 @@ Bytes encode_frame(FrameType type, std::uint64_t sequence, std::span<const std::
 }
 
 Result<Frame> decode_frame(std::span<const std::byte> bytes) {
-  FrameHeader header;
-  if (bytes.size() >= sizeof header) {
-    std::memcpy(&header, bytes.data(), sizeof header);
-    if (auto ok = check_header(header, max_payload_bytes); !ok) return ok.error();
-  }
-  if (bytes.size() < sizeof header || bytes.size() != sizeof header + header.payload_bytes)
+  const auto header = read_header(bytes);
+  if (header)
+    if (auto ok = check_header(*header, max_payload_bytes); !ok) return ok.error();
+  if (!header || bytes.size() != size_of(*header))
     return Error::format("{} bytes are not exactly one frame", bytes.size());
-  const auto payload = bytes.subspan(sizeof header);
-  return Frame{
-      static_cast<FrameType>(header.type), header.sequence, {payload.begin(), payload.end()}};
+  return cut_out(*header, bytes);
 }
 
 Status FrameReader::feed(std::span<const std::byte> data) {
@@ -71,34 +85,29 @@ Status FrameReader::feed(std::span<const std::byte> data) {
   // Headers are judged as soon as they are whole, so that an oversize frame is never waited for.
   // Behind a frame that still waits in next() only the widest limit holds: that frame may be the
   // hello which makes the reader's owner raise its own.
-  std::size_t at = consumed_;
+  auto rest = std::span<const std::byte>(buffer_).subspan(consumed_);
   std::size_t max_payload = max_payload_;
-  while (buffer_.size() - at >= sizeof(FrameHeader)) {
-    FrameHeader header;
-    std::memcpy(&header, buffer_.data() + at, sizeof header);
-    if (auto ok = check_header(header, max_payload); !ok) {
+  while (const auto header = read_header(rest)) {
+    if (auto ok = check_header(*header, max_payload); !ok) {
       failed_ = true;
       return ok;
     }
-    if (buffer_.size() - at < sizeof header + header.payload_bytes) break;
-    at += sizeof header + header.payload_bytes;
+    if (rest.size() < size_of(*header)) break;
+    rest = rest.subspan(size_of(*header));
     max_payload = std::max(max_payload_, max_payload_bytes);
   }
   return Ok{};
 }
 
 std::optional<Frame> FrameReader::next() {
-  if (failed_ || buffer_.size() - consumed_ < sizeof(FrameHeader)) return std::nullopt;
-  FrameHeader header;
-  std::memcpy(&header, buffer_.data() + consumed_, sizeof header);
-  if (header.payload_bytes > max_payload_) return std::nullopt;  // feed() will call it an Error
-  const std::size_t whole = sizeof header + header.payload_bytes;
-  if (buffer_.size() - consumed_ < whole) return std::nullopt;
-  const auto payload = std::span(buffer_).subspan(consumed_ + sizeof header, header.payload_bytes);
-  Frame frame{
-      static_cast<FrameType>(header.type), header.sequence, {payload.begin(), payload.end()}};
-  consumed_ += whole;
-  return frame;
+  if (failed_) return std::nullopt;
+  const auto rest = std::span<const std::byte>(buffer_).subspan(consumed_);
+  const auto header = read_header(rest);
+  // What is longer than is allowed here feed() will call an Error.
+  if (!header || header->payload_bytes > max_payload_ || rest.size() < size_of(*header))
+    return std::nullopt;
+  consumed_ += size_of(*header);
+  return cut_out(*header, rest);
 }
 
 }  // namespace aureole

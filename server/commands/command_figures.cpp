@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "server/commands/commands.h"
-#include "server/measure/figures/figures.h"
+#include "server/measure/figures/plots/figures.h"
 #include "server/measure/figures/runner.h"
 #include "server/measure/figures/tables.h"
 

@@ -13,12 +13,12 @@
 #include "server/experiment/oracles/oracle_interactions.h"
 #include "server/experiment/oracles/oracle_ownership.h"
 #include "server/experiment/oracles/tolerance_record.h"
-#include "server/experiment/oracles/world_view.h"
+#include "server/experiment/oracles/view/world_view.h"
 #include "server/experiment/scenario/scenario.h"
 #include "server/experiment/seed_result.h"
-#include "server/experiment/simulated_gateway.h"
-#include "server/experiment/simulated_players.h"
-#include "server/experiment/simulated_server.h"
+#include "server/experiment/simulated/simulated_gateway.h"
+#include "server/experiment/simulated/simulated_players.h"
+#include "server/experiment/simulated/simulated_server.h"
 
 namespace aureole {
 

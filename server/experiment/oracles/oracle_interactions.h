@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "server/aura/shapes/box_rows.h"
-#include "server/experiment/oracles/body_shapes.h"
 #include "server/experiment/oracles/oracle_ownership.h"
 #include "server/experiment/oracles/tolerance_record.h"
-#include "server/experiment/oracles/world_view.h"
+#include "server/experiment/oracles/view/body_shapes.h"
+#include "server/experiment/oracles/view/world_view.h"
 #include "server/region/stand_ins/stand_in_watch.h"
 
 namespace aureole {

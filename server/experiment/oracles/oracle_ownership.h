@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "server/experiment/oracles/owner_changes.h"
-#include "server/experiment/oracles/world_view.h"
+#include "server/experiment/oracles/view/world_view.h"
 #include "server/experiment/seed_result.h"
-#include "server/experiment/simulated_server.h"
+#include "server/experiment/simulated/simulated_server.h"
 
 namespace aureole {
 

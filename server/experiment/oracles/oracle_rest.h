@@ -9,7 +9,7 @@
 
 #include "server/experiment/oracles/owner_changes.h"
 #include "server/experiment/seed_result.h"
-#include "server/experiment/simulated_server.h"
+#include "server/experiment/simulated/simulated_server.h"
 
 namespace aureole {
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/experiment/oracles/film.h"
 #include "server/experiment/oracles/oracle_ownership.h"
+#include "server/experiment/oracles/view/film.h"
 #include "server/experiment/scenario/scenario.h"
 #include "server/worlds/region_tiling.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include "server/measure/figures/figures.h"
+#include "server/measure/figures/plots/figures.h"
 #include "server/measure/figures/report_values.h"
 #include "server/measure/figures/tables.h"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <set>
 
-#include "server/measure/figures/figures.h"
+#include "server/measure/figures/plots/figures.h"
 #include "server/measure/figures/report_values.h"
 
 namespace aureole {

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <set>
 
-#include "server/ops/incarnation.h"
+#include "server/ops/files/incarnation.h"
 #include "server/ops/ports.h"
 #include "tests/support/catch.h"
 

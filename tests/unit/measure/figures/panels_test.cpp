@@ -1,5 +1,5 @@
 // Scales, places of labels, and text that must mean nothing to gnuplot.
-#include "server/measure/figures/panels.h"
+#include "server/measure/figures/plots/panels.h"
 
 #include <set>
 

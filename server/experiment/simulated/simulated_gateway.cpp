@@ -1,5 +1,5 @@
 // Frames from regions into the store, answers back.
-#include "server/experiment/simulated_gateway.h"
+#include "server/experiment/simulated/simulated_gateway.h"
 
 #include <fmt/format.h>
 

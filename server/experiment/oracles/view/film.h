@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "server/experiment/network/simulated_network.h"
-#include "server/experiment/oracles/world_view.h"
+#include "server/experiment/oracles/view/world_view.h"
 #include "server/worlds/world.h"
 
 namespace aureole {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "server/measure/figures/gnuplot.h"
-#include "server/measure/figures/panels.h"
+#include "server/measure/figures/plots/gnuplot.h"
+#include "server/measure/figures/plots/panels.h"
 #include "server/measure/figures/run_files.h"
 
 namespace aureole {

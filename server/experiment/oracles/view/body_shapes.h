@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "server/experiment/oracles/world_view.h"
+#include "server/experiment/oracles/view/world_view.h"
 #include "server/physics/shape_probe.h"
 #include "server/worlds/world.h"
 

@@ -1,5 +1,5 @@
 // Runs a world to its end and keeps what the oracles see.
-#include "server/experiment/oracles/film.h"
+#include "server/experiment/oracles/view/film.h"
 
 #include <fmt/format.h>
 

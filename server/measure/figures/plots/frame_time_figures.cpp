@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "server/measure/figures/figures.h"
+#include "server/measure/figures/plots/figures.h"
 #include "server/measure/figures/report_values.h"
 
 namespace aureole {

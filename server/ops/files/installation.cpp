@@ -1,5 +1,5 @@
 // Asks the kernel for the executable's path; see installation.h.
-#include "server/ops/installation.h"
+#include "server/ops/files/installation.h"
 
 namespace aureole {
 

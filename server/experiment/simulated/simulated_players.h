@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "server/experiment/random.h"
-#include "server/experiment/simulated_gateway.h"
+#include "server/experiment/simulated/simulated_gateway.h"
 #include "server/gateway/players/command_stream.h"
 
 namespace aureole {

@@ -1,5 +1,5 @@
 // Moments of each server, kept for a while, and put together for one tick.
-#include "server/experiment/oracles/world_view.h"
+#include "server/experiment/oracles/view/world_view.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // What scripted players want next, and the road of their commands to the avatar's owner.
-#include "server/experiment/simulated_players.h"
+#include "server/experiment/simulated/simulated_players.h"
 
 #include <cmath>
 

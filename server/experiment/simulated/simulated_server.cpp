@@ -1,5 +1,5 @@
 // The shell's loop in virtual time.
-#include "server/experiment/simulated_server.h"
+#include "server/experiment/simulated/simulated_server.h"
 
 #include <algorithm>
 #include <set>

@@ -1,5 +1,5 @@
 // Text for gnuplot; places are computed here, so that every label is where it belongs.
-#include "server/measure/figures/panels.h"
+#include "server/measure/figures/plots/panels.h"
 
 #include <fmt/format.h>
 

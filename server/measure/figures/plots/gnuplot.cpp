@@ -1,5 +1,5 @@
 // The process, and what is done to its SVG.
-#include "server/measure/figures/gnuplot.h"
+#include "server/measure/figures/plots/gnuplot.h"
 
 #include <poll.h>
 #include <unistd.h>
@@ -10,7 +10,7 @@
 #include <sstream>
 #include <thread>
 
-#include "server/measure/figures/panels.h"
+#include "server/measure/figures/plots/panels.h"
 #include "server/measure/figures/run_files.h"
 #include "server/play/child_process.h"
 

@@ -1,5 +1,5 @@
 // Real shapes through the probe; Bullet itself where the question is what Bullet would do.
-#include "server/experiment/oracles/body_shapes.h"
+#include "server/experiment/oracles/view/body_shapes.h"
 
 namespace aureole {
 

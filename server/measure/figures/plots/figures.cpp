@@ -1,5 +1,5 @@
 // Which runs go together, and the list of figures.
-#include "server/measure/figures/figures.h"
+#include "server/measure/figures/plots/figures.h"
 
 #include <fmt/format.h>
 
