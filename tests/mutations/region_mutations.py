@@ -319,4 +319,28 @@ MUTATIONS = [
         "",
         ((REGION, "it is known since when somebody has been looked at here"),),
     ),
+    Mutation(
+        "vouched-for-ever",
+        "a stand-in that nobody vouches for is never due",
+        "server/region/stand_ins/stand_ins.cpp",
+        "  unvouched_from_ = unvouched_.empty() ? entry.since : std::min(unvouched_from_, entry.since);\n",
+        "  unvouched_from_ = Tick{1'000'000'000};\n",
+        ((REGION, "a stand-in that is gone wakes what leant on it, one that is handed over stays a while"), (REGION, "while its owner cannot be heard a stand-in stays; what is not told again then goes")),
+    ),
+    Mutation(
+        "asleep-inside",
+        "nobody wakes inside a stand-in",
+        "server/physics/physics_stand_ins.cpp",
+        "getDistance() < -deeper_than_m",
+        "getDistance() < -1000 * deeper_than_m",
+        ((REGION, "who sleeps inside another server's body wakes, who has sunk into it a little sleeps on"),),
+    ),
+    Mutation(
+        "as-many-as-before",
+        "as many stand-ins as before are taken for the same",
+        "server/region/stand_ins/stand_in_watch.cpp",
+        "  if (!std::equal(stand_ins.begin(), stand_ins.end(), stand_ins_.begin(), stand_ins_.end())) {\n",
+        "  if (stand_ins.size() != stand_ins_.size()) {\n",
+        ((REGION, "a stand-in that is lost while another one comes elsewhere is lost all the same"),),
+    ),
 ]

@@ -53,8 +53,9 @@ struct Watched {
     physics.add({&body, 1});
   }
   /// Another box of another server's.
-  void put_second(WorldPosition at) {
-    NewBody other{second, theirs, {}};
+  void put_second(WorldPosition at) { put(second, at); }
+  void put(BodyId id, WorldPosition at) {
+    NewBody other{id, theirs, {}};
     other.state.position = at;
     physics.add_stand_ins({&other, 1});
   }
@@ -235,6 +236,15 @@ TEST_CASE("a load that shifts strikes if the body moves, or long after it lost a
   late.step(static_cast<int>(StandInWatch::settling_ticks) + 1);
   late.step(2, push_for(0.3));
   CHECK(late.watch.struck() == 1);
+}
+
+TEST_CASE("a stand-in that is lost while another one comes elsewhere is lost all the same") {
+  Watched scene = on_two_stand_ins();
+  scene.lose_second();
+  scene.put(BodyId::world(3), {50, 0, 0});
+  scene.step(4);
+  CHECK(scene.watch.is_pressed(ours, scene.now));
+  CHECK(scene.watch.struck() == 0);
 }
 
 TEST_CASE("what leans on a stand-in and gets another one may find its level anew") {
