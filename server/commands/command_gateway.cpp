@@ -10,10 +10,10 @@
 #include "server/commands/mode_option.h"
 #include "server/commands/peer_options.h"
 #include "server/gateway/gateway.h"
-#include "server/ops/files/incarnation.h"
-#include "server/ops/files/installation.h"
 #include "server/ops/logging.h"
-#include "server/ops/signals.h"
+#include "server/ops/process/incarnation.h"
+#include "server/ops/process/installation.h"
+#include "server/ops/process/signals.h"
 #include "server/play/command_lines.h"
 #include "server/worlds/world_file.h"
 

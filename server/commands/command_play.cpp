@@ -7,10 +7,10 @@
 
 #include "server/commands/commands.h"
 #include "server/commands/mode_option.h"
-#include "server/ops/files/installation.h"
-#include "server/ops/files/snapshot_file.h"
 #include "server/ops/logging.h"
 #include "server/ops/ports.h"
+#include "server/ops/process/installation.h"
+#include "server/ops/snapshot_file.h"
 #include "server/play/supervisor.h"
 #include "server/worlds/world_file.h"
 

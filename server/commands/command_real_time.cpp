@@ -12,7 +12,7 @@
 #include "server/commands/commands.h"
 #include "server/measure/experiment.h"
 #include "server/measure/real_time.h"
-#include "server/ops/files/installation.h"
+#include "server/ops/process/installation.h"
 
 namespace aureole {
 namespace {

@@ -11,10 +11,10 @@
 #include "server/commands/mode_option.h"
 #include "server/commands/peer_options.h"
 #include "server/net/region_server.h"
-#include "server/ops/files/incarnation.h"
-#include "server/ops/files/snapshot_file.h"
 #include "server/ops/logging.h"
-#include "server/ops/signals.h"
+#include "server/ops/process/incarnation.h"
+#include "server/ops/process/signals.h"
+#include "server/ops/snapshot_file.h"
 #include "server/worlds/world_file.h"
 
 namespace aureole {

@@ -11,7 +11,7 @@
 #include "server/base/ids.h"
 #include "server/base/result.h"
 #include "server/net/links/peer_links.h"
-#include "server/ops/files/snapshot_file.h"
+#include "server/ops/snapshot_file.h"
 #include "server/worlds/world.h"
 
 namespace aureole {

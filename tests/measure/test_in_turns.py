@@ -48,7 +48,8 @@ def main(aureole, folder):
                   [f"a={aureole}", "b=/nowhere", *WORLD], [aureole, f"b={aureole}", *WORLD],
                   [f"a={aureole}", f"b={aureole}"],
                   [f"a={aureole}", f"b={aureole}", "--processor", "9999", *WORLD],
-                  [f"a={aureole}", f"b={aureole}", "--turn", "0", *WORLD]):
+                  [f"a={aureole}", f"b={aureole}", "--turn", "0", *WORLD],
+                  [f"a={aureole}", f"b={aureole}", "--turn", "nan", *WORLD]):
         refused = compare(*wrong)
         expect(refused.returncode == 2 and "error:" in refused.stderr, f"refuses {wrong}", refused)
 

@@ -5,8 +5,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "server/ops/files/snapshot_file.h"
 #include "server/ops/http_get.h"
+#include "server/ops/snapshot_file.h"
 #include "tests/processes/running.h"
 
 using namespace aureole;

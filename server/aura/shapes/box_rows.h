@@ -57,7 +57,22 @@ class BoxRows {
   /// The same, as `found(hit)`.
   template <class Found>
   void find_each(const RoughBox& asked, Found&& found) const {
-    look_through_rows(asked, found);
+    const BoxQuestion question(asked);
+    const auto rows = static_cast<std::int32_t>(rows_.size()) - 1;
+    const std::int32_t first = std::max(row_of(asked.low[2] - deepest_m_) - first_row_, 0);
+    const std::int32_t last = std::min(row_of(asked.high[2]) - first_row_, rows - 1);
+    for (std::int32_t number = first; number <= last; ++number) {
+      const Row& row = rows_[static_cast<std::size_t>(number)];
+      if (row.low_x > asked.high[0] || row.high_x < asked.low[0] || row.high_z < asked.low[2])
+        continue;
+      const Entry* at = entries_.data() + row.begin;
+      const Entry* end = entries_.data() + rows_[static_cast<std::size_t>(number) + 1].begin;
+      if (end - at > long_row) at += first_from(at, end - at, asked.low[0] - row.widest_m);
+      look_through(at, end, asked, question, found);
+    }
+    for (const Entry& entry : large_)
+      if (question.met_by(entry.box))
+        found(hit_of(entry, std::numeric_limits<std::int32_t>::max()));
   }
 
  private:
@@ -90,26 +105,6 @@ class BoxRows {
   static std::int32_t row_of(float z);
   static Hit hit_of(const Entry& entry, std::int32_t row) {
     return {entry.number, {row, entry.box.low[0]}, entry.box};
-  }
-  /// Row by row, and then those kept apart.
-  template <class Found>
-  void look_through_rows(const RoughBox& asked, Found&& found) const {
-    const BoxQuestion question(asked);
-    const auto rows = static_cast<std::int32_t>(rows_.size()) - 1;
-    const std::int32_t first = std::max(row_of(asked.low[2] - deepest_m_) - first_row_, 0);
-    const std::int32_t last = std::min(row_of(asked.high[2]) - first_row_, rows - 1);
-    for (std::int32_t number = first; number <= last; ++number) {
-      const Row& row = rows_[static_cast<std::size_t>(number)];
-      if (row.low_x > asked.high[0] || row.high_x < asked.low[0] || row.high_z < asked.low[2])
-        continue;
-      const Entry* at = entries_.data() + row.begin;
-      const Entry* end = entries_.data() + rows_[static_cast<std::size_t>(number) + 1].begin;
-      if (end - at > long_row) at += first_from(at, end - at, asked.low[0] - row.widest_m);
-      look_through(at, end, asked, question, found);
-    }
-    for (const Entry& entry : large_)
-      if (question.met_by(entry.box))
-        found(hit_of(entry, std::numeric_limits<std::int32_t>::max()));
   }
   /// Those of one row that begin near enough. Whether a box is met can hardly be foretold: who are
   /// is noted in the bits of a word first, without a branch for each.

@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <set>
 
-#include "server/ops/files/incarnation.h"
 #include "server/ops/ports.h"
+#include "server/ops/process/incarnation.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;

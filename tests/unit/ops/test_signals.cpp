@@ -2,7 +2,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <csignal>
 
-#include "server/ops/signals.h"
+#include "server/ops/process/signals.h"
 #include "tests/support/catch.h"
 
 TEST_CASE("SIGTERM and SIGINT become a callback on the io_context") {

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <thread>
 
-#include "server/ops/files/snapshot_file.h"
+#include "server/ops/snapshot_file.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;

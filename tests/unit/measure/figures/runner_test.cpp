@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "server/measure/figures/run_files.h"
-#include "server/ops/files/snapshot_file.h"
+#include "server/ops/snapshot_file.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;

@@ -1,5 +1,5 @@
 // Asks the kernel for the executable's path; see installation.h.
-#include "server/ops/files/installation.h"
+#include "server/ops/process/installation.h"
 
 namespace aureole {
 

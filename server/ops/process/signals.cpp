@@ -1,5 +1,5 @@
 // SIGINT and SIGTERM as a callback; see signals.h.
-#include "server/ops/signals.h"
+#include "server/ops/process/signals.h"
 
 #include <boost/asio/signal_set.hpp>
 #include <csignal>

@@ -1,5 +1,5 @@
 // Mapping, writing and judging the two files; see snapshot_file.h.
-#include "server/ops/files/snapshot_file.h"
+#include "server/ops/snapshot_file.h"
 
 #include <fcntl.h>
 #include <sys/file.h>

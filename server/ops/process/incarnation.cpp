@@ -1,5 +1,5 @@
 // Reads the wall clock once; see incarnation.h.
-#include "server/ops/files/incarnation.h"
+#include "server/ops/process/incarnation.h"
 
 #include <chrono>
 
