@@ -41,7 +41,7 @@ def main(aureole, folder):
 
     fails = program(folder, "fails", "echo no such layout >&2; exit 2\n")
     failed = compare(f"a={aureole}", f"b={fails}", *WORLD)
-    expect(failed.returncode == 1 and "b failed: no such layout" in failed.stderr,
+    expect(failed.returncode == 1 and failed.stderr == "b failed: no such layout\n",
            "a build that fails", failed)
 
     for wrong in ([f"a={aureole}", *WORLD], [f"a={aureole}", f"a={aureole}", *WORLD],
