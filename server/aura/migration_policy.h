@@ -108,6 +108,10 @@ class ContactSource {
                                     std::vector<std::uint32_t>& found) const = 0;
   /// All slots are below.
   virtual std::size_t slots() const = 0;
+  /// For who asks about many: begins to bring nearer what find_touching() needs of the one in
+  /// `slot`, in `fetch_steps` steps from 0 on. Each needs what the one before has brought.
+  virtual void fetch_touching(std::uint32_t /*slot*/, int /*step*/) const {}
+  static constexpr int fetch_steps = 3;
   virtual BodyId body_in(std::uint32_t slot) const = 0;
 };
 

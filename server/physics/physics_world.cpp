@@ -77,6 +77,10 @@ std::size_t PhysicsWorld::find_touching(std::uint32_t slot,
   return aureole::find_touching(*impl_->by_slot[slot], found);
 }
 
+void PhysicsWorld::fetch_touching(std::uint32_t slot, int step) const {
+  aureole::fetch_touching(*impl_->by_slot[slot], step);
+}
+
 std::size_t PhysicsWorld::slots() const {
   return impl_->by_slot.size();
 }

@@ -21,6 +21,9 @@ class Touching final : public ContactSource {
     return physics_.find_touching(slot, found);
   }
   std::size_t slots() const override { return physics_.slots(); }
+  void fetch_touching(std::uint32_t slot, int step) const override {
+    physics_.fetch_touching(slot, step);
+  }
   BodyId body_in(std::uint32_t slot) const override { return physics_.body_in_slot(slot); }
 
  private:

@@ -90,33 +90,42 @@ AuraBox Homecoming::room_of(std::uint32_t body) const {
   return outlook_->moves(body) ? joined(aura, way_of(outlook_->body(body), ahead_s)) : aura;
 }
 
-/// Where everything that does not rest may soon be.
-void Homecoming::find_stirrers() {
+AuraBox Homecoming::room_of(const RemoteAura& aura, double duration_s) {
+  AuraBox room = aura.room.box();
+  room.half.array() += aura.speed_mps * duration_s;
+  return room;
+}
+
+/// Where everything that does not rest may soon be. Whoever comes on the stage meanwhile rests.
+const BoxRows& Homecoming::stirrer_rows() {
+  if (std::exchange(stirrers_known_, true)) return stirrer_rows_;
   stirrers_.clear();
   rooms_.clear();
-  blows_.clear();
   for (std::uint32_t i = 0; i < outlook_->size(); ++i) {
     if (outlook_->rests(i)) continue;
     stirrers_.push_back({i, situation_->self});
     rooms_.push_back(room_of(i));
-    if (outlook_->moves(i) && outlook_->body(i).motion_speed_mps > fast_mps)
-      blows_.push_back(joined(outlook_->box(i), way_of(outlook_->body(i), clear_flight_s)));
   }
   for (const RemoteAura& aura : situation_->remote) {
     if (aura.resting) continue;
     stirrers_.push_back({others_body, aura.host});
-    const AuraBox box = aura.room.box();
-    const auto room = [&](double duration_s) {
-      AuraBox wide = box;
-      wide.half.array() += aura.speed_mps * duration_s;
-      return wide;
-    };
-    rooms_.push_back(room(ahead_s));
-    if (aura.speed_mps > fast_mps) blows_.push_back(room(clear_flight_s));
+    rooms_.push_back(room_of(aura, ahead_s));
   }
   stirrer_rows_.build(rooms_);
-  blow_rows_.build(blows_);
-  for (std::vector<Heap>& heaps : heaps_) heaps.clear();
+  return stirrer_rows_;
+}
+
+/// Where what is fast may strike.
+const BoxRows& Homecoming::blow_rows() {
+  if (std::exchange(blows_known_, true)) return blow_rows_;
+  rooms_.clear();
+  for (std::uint32_t i = 0; i < outlook_->size(); ++i)
+    if (outlook_->moves(i) && outlook_->body(i).motion_speed_mps > fast_mps)
+      rooms_.push_back(joined(outlook_->box(i), way_of(outlook_->body(i), clear_flight_s)));
+  for (const RemoteAura& aura : situation_->remote)
+    if (!aura.resting && aura.speed_mps > fast_mps) rooms_.push_back(room_of(aura, clear_flight_s));
+  blow_rows_.build(rooms_);
+  return blow_rows_;
 }
 
 /// Whether two that rest and are near each other may carry each other. What stands on the ground
@@ -154,7 +163,7 @@ bool Homecoming::is_threatened(std::uint32_t body, Link link) {
     AuraBox room = outlook_->box(heap[k]);
     room.half.array() += clearance_m;
     found.clear();
-    (link == Link::leaning ? stirrer_rows_ : blow_rows_).find(room, found);
+    (link == Link::leaning ? stirrer_rows() : blow_rows()).find(room, found);
     threatened = threatened || !found.empty();
   }
   if (threatened)
@@ -176,8 +185,10 @@ bool Homecoming::may_leave(std::uint32_t i, bool contested) {
 
 /// The region that most of the cluster's bodies belong to; the lower number on a tie.
 RegionId Homecoming::home_of(Clusters::Number cluster) const {
+  const std::span<const std::uint32_t> members = clusters_->members(cluster);
+  if (members.size() == 1) return belongs_to(members.front());
   std::map<RegionId, std::size_t> holds;
-  for (const std::uint32_t member : clusters_->members(cluster)) ++holds[belongs_to(member)];
+  for (const std::uint32_t member : members) ++holds[belongs_to(member)];
   return std::max_element(holds.begin(), holds.end(),
                           [](auto& a, auto& b) { return a.second < b.second; })
       ->first;
@@ -196,7 +207,7 @@ bool Homecoming::add_met(std::uint32_t body, RegionId home, std::vector<std::uin
       if (situation_->remote[other].host != home) return false;
   }
   found_.clear();
-  stirrer_rows_.find(room, found_);
+  stirrer_rows().find(room, found_);
   for (const std::uint32_t stirrer : found_) {
     const Stirrer& other = stirrers_[stirrer];
     if (other.body != others_body)
@@ -252,7 +263,8 @@ std::vector<Homecoming::Pocket> Homecoming::pockets(const MigrationSituation& s,
   situation_ = &s;
   outlook_ = &outlook;
   clusters_ = &clusters;
-  bool known = false;
+  stirrers_known_ = blows_known_ = false;
+  for (std::vector<Heap>& heaps : heaps_) heaps.clear();
   judged_.clear();
   pockets_ = no_pocket;
   std::vector<Pocket> leaving;
@@ -260,7 +272,6 @@ std::vector<Homecoming::Pocket> Homecoming::pockets(const MigrationSituation& s,
   const std::uint32_t shown = outlook.size();
   for (std::uint32_t i = 0; i < shown; ++i) {
     if (!is_away(i)) continue;
-    if (!std::exchange(known, true)) find_stirrers();
     const Clusters::Number own = clusters.of(i);
     if (pocket_at(own) != no_pocket) continue;
     const RegionId home = home_of(own);

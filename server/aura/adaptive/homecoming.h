@@ -46,7 +46,9 @@ class Homecoming {
   RegionId belongs_to(std::uint32_t body) const;
   bool is_away(std::uint32_t body) const;
   AuraBox room_of(std::uint32_t body) const;
-  void find_stirrers();
+  static AuraBox room_of(const RemoteAura& aura, double duration_s);
+  const BoxRows& stirrer_rows();
+  const BoxRows& blow_rows();
   enum class Link : std::uint8_t { leaning, touching };
   bool may_lean(std::uint32_t a, std::uint32_t b) const;
   bool is_threatened(std::uint32_t body, Link link);
@@ -73,11 +75,11 @@ class Homecoming {
   };
   static constexpr std::uint32_t others_body = static_cast<std::uint32_t>(-1);
   std::vector<Stirrer> stirrers_;
-  std::vector<AuraBox> rooms_;  ///< Of each of them.
-  BoxRows stirrer_rows_;
-  /// Ways of those whose blows would go on through a row, further ahead.
-  std::vector<AuraBox> blows_;
+  BoxRows stirrer_rows_;  ///< Rooms of each of them, once they have been asked for.
+  /// Ways of those whose blows would go on through a row, further ahead; the same.
   BoxRows blow_rows_;
+  bool stirrers_known_ = false, blows_known_ = false;
+  std::vector<AuraBox> rooms_;  ///< Only used while either is built.
   enum class Heap : std::uint8_t { unknown, calm, threatened };
   /// What each resting body that was asked for hangs together with, by how.
   std::array<std::vector<Heap>, 2> heaps_;

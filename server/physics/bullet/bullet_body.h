@@ -20,6 +20,14 @@ enum class Role : std::uint8_t {
   stand_in,  ///< Never moves.
 };
 
+struct BulletBody;
+
+/// One of a body's manifolds, and who else it is of.
+struct Meeting {
+  btPersistentManifold* manifold;
+  BulletBody* partner;  ///< A body or a stand-in; null: static geometry.
+};
+
 /// A body as Bullet has it, and what Bullet cannot keep exactly.
 struct BulletBody {
   BulletBody(BodyId body_id, PrototypeId body_prototype,
@@ -33,7 +41,7 @@ struct BulletBody {
   bool marked = false;     ///< Member of the group that a call is about; false between calls.
   std::uint32_t slot = 0;  ///< See BodyGlance::slot(); stand-ins have one too.
   /// Bullet's for its pairs, with points or without; in no order. See Dispatcher.
-  std::vector<btPersistentManifold*> manifolds;
+  std::vector<Meeting> meetings;
   Eigen::Quaternionf orientation{Eigen::Quaternionf::Identity()};  ///< What the basis was made of.
   Eigen::Vector3f obstacle_linear{0, 0, 0};                        ///< m/s
   Eigen::Vector3f obstacle_angular{0, 0, 0};                       ///< rad/s

@@ -99,10 +99,9 @@ void BulletWorld::erase_all(std::span<BulletBody* const> all) {
 }
 
 void BulletWorld::moved_by_hand(BulletBody& body, Wake wake) {
-  for (const btPersistentManifold* manifold : body.manifolds) prefetch_manifold(manifold);
-  for (btPersistentManifold* manifold : body.manifolds) {
+  for (const Meeting& meeting : body.meetings) prefetch_manifold(meeting.manifold);
+  for (const auto& [manifold, other] : body.meetings) {
     if (manifold->getNumContacts() == 0) continue;
-    BulletBody* other = other_of(*manifold, body);
     if (wake == Wake::touching && other && !other->immovable()) other->rigid.activate(true);
     // Points that no longer hold would carry a sleeping body for ever.
     manifold->refreshContactPoints(manifold->getBody0()->getWorldTransform(),

@@ -54,10 +54,6 @@ float squared_distance_to_box(const btVector3& p, const btVector3& low, const bt
 
 }  // namespace
 
-BulletBody* other_of(const btPersistentManifold& manifold, const BulletBody& body) {
-  return body_of(manifold.getBody0() == &body.rigid ? manifold.getBody1() : manifold.getBody0());
-}
-
 void for_each_pair(BulletWorld& world, const BulletBody& body,
                    const std::function<void(btCollisionObject&, const btBroadphasePair&)>& visit) {
   btBroadphaseProxy* own = const_cast<btBroadphaseProxy*>(body.rigid.getBroadphaseHandle());
@@ -79,19 +75,30 @@ std::vector<BodyId> bodies_touching(BulletWorld& world, const BulletBody& body) 
   return out;
 }
 
+void fetch_touching(const BulletBody& body, int step) {
+  if (step == 0) {
+    prefetch(&body.meetings);
+  } else if (step == 1) {
+    prefetch(body.meetings.data(), body.meetings.size() * sizeof(Meeting));
+  } else {
+    for (const Meeting& meeting : body.meetings) {
+      prefetch_point_count(meeting.manifold);
+      if (meeting.partner) prefetch(&meeting.partner->role);
+    }
+  }
+}
+
 std::size_t find_touching(const BulletBody& body, std::vector<std::uint32_t>& found) {
   found.clear();
   std::size_t on_stand_ins = 0;
   // Each lies somewhere else: they are fetched side by side, not one after another.
-  for (const btPersistentManifold* manifold : body.manifolds) prefetch_partners(manifold);
-  for (const btPersistentManifold* manifold : body.manifolds) {
-    if (manifold->getNumContacts() == 0) continue;
-    const BulletBody* other = other_of(*manifold, body);
-    if (!other) continue;
-    if (other->role == Role::stand_in)
+  fetch_touching(body, 2);
+  for (const auto& [manifold, partner] : body.meetings) {
+    if (!partner || manifold->getNumContacts() == 0) continue;
+    if (partner->role == Role::stand_in)
       ++on_stand_ins;
     else
-      found.push_back(other->slot);
+      found.push_back(partner->slot);
   }
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
@@ -100,9 +107,8 @@ std::size_t find_touching(const BulletBody& body, std::vector<std::uint32_t>& fo
 
 void append_loads(const BulletBody& stand_in, std::vector<StandInLoad>& loads) {
   const auto first = static_cast<std::ptrdiff_t>(loads.size());
-  for (const btPersistentManifold* manifold : stand_in.manifolds) {
+  for (const auto& [manifold, body] : stand_in.meetings) {
     if (manifold->getNumContacts() == 0) continue;
-    const BulletBody* body = other_of(*manifold, stand_in);
     if (!body || !body->rigid.isActive()) continue;
     float sum = 0;
     for (int p = 0; p < manifold->getNumContacts(); ++p)

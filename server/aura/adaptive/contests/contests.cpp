@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <numeric>
+#include <utility>
 
 #include "server/aura/adaptive/contests/load_balance.h"
 #include "server/aura/adaptive/outlook/aura_size.h"
@@ -127,32 +129,43 @@ void Contests::sort_by_id(Meetings& meets) {
   meets.erase(std::unique(meets.begin(), meets.end()), meets.end());
 }
 
+/// Those that meet the same body of others', or bodies of one cluster of others', are one. Disjoint
+/// sets: each points on towards the last of its set, which takes in all of it.
 std::vector<Contests::Contest> Contests::joined_contests() const {
   std::vector<Contest> contests;
-  std::map<std::pair<RegionId, std::uint16_t>, std::size_t> of_cluster;  // Others'.
-  std::map<BodyId, std::size_t> of_body;
+  std::vector<std::pair<BodyId, std::size_t>> by_body;
+  std::vector<std::pair<std::pair<RegionId, std::uint16_t>, std::size_t>> by_cluster;  // Others'.
   for (const auto& [cluster, meets] : meetings_) {
     if (clusters_->sent(cluster)) continue;
-    Contest fresh{{cluster}, meets};
-    const std::size_t number = contests.size();
-    const auto join = [&](std::size_t& place) {
-      const std::size_t other = std::exchange(place, number);
-      if (other == number) return;
-      Contest& absorbed = contests[other];
-      fresh.ours.insert(fresh.ours.end(), absorbed.ours.begin(), absorbed.ours.end());
-      fresh.meets.insert(fresh.meets.end(), absorbed.meets.begin(), absorbed.meets.end());
-      absorbed = {};
-      for (auto& [key, at] : of_cluster)
-        if (at == other) at = number;
-      for (auto& [key, at] : of_body)
-        if (at == other) at = number;
-    };
     for (const RemoteAura* aura : meets) {
-      join(of_body.try_emplace(aura->id, number).first->second);
+      by_body.emplace_back(aura->id, contests.size());
       if (aura->company.label != 0)
-        join(of_cluster.try_emplace({aura->host, aura->company.label}, number).first->second);
+        by_cluster.push_back({{aura->host, aura->company.label}, contests.size()});
     }
-    contests.push_back(std::move(fresh));
+    contests.push_back({{cluster}, meets});
+  }
+  std::vector<std::size_t> onward(contests.size());
+  std::iota(onward.begin(), onward.end(), std::size_t{0});
+  const auto last_of = [&](std::size_t at) {
+    while (onward[at] != at) at = onward[at] = onward[onward[at]];
+    return at;
+  };
+  const auto join_same = [&](auto& places) {
+    std::sort(places.begin(), places.end());
+    for (std::size_t n = 1; n < places.size(); ++n) {
+      if (places[n - 1].first != places[n].first) continue;
+      const std::size_t a = last_of(places[n - 1].second), b = last_of(places[n].second);
+      onward[std::min(a, b)] = std::max(a, b);
+    }
+  };
+  join_same(by_body);
+  join_same(by_cluster);
+  for (std::size_t at = 0; at < contests.size(); ++at) {
+    if (last_of(at) == at) continue;
+    const Contest joined = std::exchange(contests[at], {});
+    Contest& all = contests[last_of(at)];
+    all.ours.insert(all.ours.end(), joined.ours.begin(), joined.ours.end());
+    all.meets.insert(all.meets.end(), joined.meets.begin(), joined.meets.end());
   }
   std::erase_if(contests, [](const Contest& contest) { return contest.ours.empty(); });
   for (Contest& contest : contests) {

@@ -36,14 +36,11 @@ void Neighbourhood::add_around(const AuraBox& box, const Horizon& look, RegionSe
       if ((look.away_too || situation_->linked[k]) &&
           situation_->map.area(RegionId{k}).overlaps(low_x, low_z, high_x, high_z))
         around.add(RegionId{k});
-  if (outlook_->near_others(wide)) {
-    std::vector<std::uint32_t> found;
-    outlook_->remote_rows().find(wide, found);
-    for (const std::uint32_t other : found) {
-      const RegionId host = situation_->remote[other].host;
+  if (outlook_->near_others(wide))
+    outlook_->remote_rows().find_each(RoughBox::around(wide), [&](const BoxRows::Hit& hit) {
+      const RegionId host = situation_->remote[hit.number].host;
       if (look.away_too || situation_->linked[host.value]) around.add(host);
-    }
-  }
+    });
   around.remove(situation_->self);
 }
 
@@ -87,36 +84,46 @@ const Horizon& Neighbourhood::horizon_of(Clusters::Number cluster) const {
   return clusters_->has_moved(cluster, long_stay_ticks) ? far_around : near_by;
 }
 
-const RegionSet& Neighbourhood::of(Clusters::Number cluster) {
+std::optional<RegionSet>& Neighbourhood::known_of(Clusters::Number cluster) {
   if (of_cluster_.size() <= cluster) of_cluster_.resize(clusters_->size());
-  if (!of_cluster_[cluster])
-    add_around(cluster, horizon_of(cluster), of_cluster_[cluster].emplace());
-  return *of_cluster_[cluster];
+  return of_cluster_[cluster];
+}
+
+const RegionSet& Neighbourhood::of(Clusters::Number cluster) {
+  std::optional<RegionSet>& known = known_of(cluster);
+  if (!known) add_around(cluster, horizon_of(cluster), known.emplace());
+  return *known;
 }
 
 bool Neighbourhood::is_crowded(Clusters::Number cluster) {
   if (situation_->map.size() < 3) return false;
   // Where at most one other is near the room that holds them all, none needs to be looked for.
   const Horizon& look = horizon_of(cluster);
-  std::optional<AuraBox> room;
-  for (const std::uint32_t member : clusters_->members(cluster)) {
-    const AuraBox box = room_of(member, look);
-    room = room ? joined(*room, box) : box;
-  }
-  room->half.array() += look.clearance_m;
+  rooms_.clear();
+  for (const std::uint32_t member : clusters_->members(cluster))
+    rooms_.push_back(room_of(member, look));
+  AuraBox room = rooms_.front();
+  for (std::size_t n = 1; n < rooms_.size(); ++n) room = joined(room, rooms_[n]);
+  room.half.array() += look.clearance_m;
   RegionSet near;
   for (std::uint16_t k = 0; k < situation_->map.size(); ++k) {
     const RegionId region{k};
     if (region == situation_->self) continue;
-    const double low_x = room->centre.x() - room->half.x();
-    const double low_z = room->centre.z() - room->half.z();
-    const double high_x = room->centre.x() + room->half.x();
-    const double high_z = room->centre.z() + room->half.z();
+    const double low_x = room.centre.x() - room.half.x();
+    const double low_z = room.centre.z() - room.half.z();
+    const double high_x = room.centre.x() + room.half.x();
+    const double high_z = room.centre.z() + room.half.z();
     if (situation_->map.area(region).overlaps(low_x, low_z, high_x, high_z) ||
-        (rooms_of_hosts_[k] && rooms_of_hosts_[k]->overlaps(*room)))
+        (rooms_of_hosts_[k] && rooms_of_hosts_[k]->overlaps(room)))
       near.add(region);
   }
-  return near.holds_several() && of(cluster).holds_several();
+  if (!near.holds_several()) return false;
+  std::optional<RegionSet>& known = known_of(cluster);
+  if (!known) {
+    known.emplace();
+    for (const AuraBox& box : rooms_) add_around(box, look, *known);
+  }
+  return known->holds_several();
 }
 
 }  // namespace aureole

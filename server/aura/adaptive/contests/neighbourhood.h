@@ -49,6 +49,7 @@ class Neighbourhood {
  private:
   AuraBox room_of(std::uint32_t body, const Horizon& look) const;
   const Horizon& horizon_of(Clusters::Number cluster) const;
+  std::optional<RegionSet>& known_of(Clusters::Number cluster);
 
   const MigrationSituation* situation_ = nullptr;
   const Outlook* outlook_ = nullptr;
@@ -56,6 +57,7 @@ class Neighbourhood {
   std::vector<std::optional<RegionSet>> of_cluster_;
   /// Around all auras of each other server.
   std::vector<std::optional<AuraBox>> rooms_of_hosts_;
+  std::vector<AuraBox> rooms_;  ///< Only used within is_crowded().
 };
 
 }  // namespace aureole

@@ -55,6 +55,17 @@ void BlowForecast::strike(std::uint32_t number, const Blow& blow, double restitu
   front_.push_back(number);
 }
 
+/// Whether strike() changes nothing, be it with this blow or with one as hard that comes later.
+bool BlowForecast::is_known(std::uint32_t number, const Blow& blow, double restitution) const {
+  const double speed_mps = blow.speed_mps(stage_->body(number).mass_kg, restitution);
+  if (speed_mps < blow_speed_min_mps) return true;
+  if (number >= forecast_->size()) return false;
+  const Forecast::Fate& fate = forecast_->fates_[number];
+  return fate.left_alone_s <= blow.after_s && speed_mps <= fate.struck_mps &&
+         speed_mps <= fate.expected_mps &&
+         speed_mps * std::max(0.0, reach_s_ - blow.after_s) <= fate.way_m + further_m;
+}
+
 /// Whether the body's aura overlaps one of another server's.
 bool BlowForecast::meets_others(std::uint32_t number, const BoxRows& remote_rows) {
   found_.clear();
@@ -144,6 +155,10 @@ void BlowForecast::look_around(std::uint32_t from, double flight_m) {
 void BlowForecast::pass_on() {
   for (std::size_t k = 0; k < front_.size(); ++k) {
     const std::uint32_t from = front_[k];
+    for (int step = 0; step < ContactSource::fetch_steps; ++step) {
+      const std::size_t ahead = k + static_cast<std::size_t>(ContactSource::fetch_steps - step);
+      if (ahead < front_.size()) stage_->fetch_touching(front_[ahead], step);
+    }
     Forecast::Fate& fate = forecast_->of(from);
     fate.waits = false;
     const HostedBody& body = stage_->body(from);
@@ -158,11 +173,13 @@ void BlowForecast::pass_on() {
     for (const std::uint32_t to : touched_)
       strike(to, share, body.restitution * stage_->body(to).restitution);
     for (const std::uint32_t to : near_) {
+      const double restitution = body.restitution * stage_->body(to).restitution;
+      Blow alone{body.mass_kg * speed_mps, body.mass_kg, taken.after_s};
+      // Half of them say nothing new, however near the two are.
+      if (is_known(to, alone, restitution)) continue;
       const double gap = gap_m(room_of(body), room_of(stage_->body(to)));
-      const Blow alone{body.mass_kg * speed_mps, body.mass_kg,
-                       taken.after_s + std::max(0.0, gap) / speed_mps};
-      if (alone.after_s < reach_s_)
-        strike(to, alone, body.restitution * stage_->body(to).restitution);
+      alone.after_s += std::max(0.0, gap) / speed_mps;
+      if (alone.after_s < reach_s_) strike(to, alone, restitution);
     }
   }
 }

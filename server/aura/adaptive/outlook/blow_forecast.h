@@ -90,6 +90,7 @@ class BlowForecast {
  private:
   void strike(std::uint32_t struck, const Blow& blow, double restitution);
   void disturb(std::uint32_t number, double speed_mps, double after_s);
+  bool is_known(std::uint32_t number, const Blow& blow, double restitution) const;
   bool meets_others(std::uint32_t number, const BoxRows& remote_rows);
   void pass_on();
   void look_around(std::uint32_t from, double flight_m);

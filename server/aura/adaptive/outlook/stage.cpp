@@ -130,6 +130,11 @@ std::size_t Stage::find_touching(std::uint32_t number, std::vector<std::uint32_t
   return known.touched;
 }
 
+void Stage::fetch_touching(std::uint32_t number, int step) const {
+  if (number < touching_of_.size() && touching_of_[number].begin != none) return;
+  situation_->contacts->fetch_touching(body(number).slot, step);
+}
+
 std::span<const std::uint32_t> Stage::ascending() {
   if (ascending_.size() == bodies_.size()) return ascending_;
   ascending_.resize(bodies_.size());

@@ -27,8 +27,8 @@ inline void prefetch_manifold(const btPersistentManifold* manifold) {
   prefetch(&manifold->m_companionIdA);
 }
 
-/// Whose it is, and how many contact points it has: Bullet 3.24 keeps that in 32 bytes before this.
-inline void prefetch_partners(const btPersistentManifold* manifold) {
+/// How many contact points it has: Bullet 3.24 keeps that in 32 bytes before this.
+inline void prefetch_point_count(const btPersistentManifold* manifold) {
   constexpr std::size_t before = 32;
   prefetch(reinterpret_cast<const std::byte*>(&manifold->m_companionIdA) - before, before);
 }

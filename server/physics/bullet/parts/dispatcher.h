@@ -25,13 +25,16 @@ class Dispatcher : public btCollisionDispatcher {
   btPersistentManifold* getNewManifold(const btCollisionObject* a,
                                        const btCollisionObject* b) override {
     btPersistentManifold* manifold = btCollisionDispatcher::getNewManifold(a, b);
-    for (const btCollisionObject* object : {a, b})
-      if (BulletBody* body = body_of(object)) body->manifolds.push_back(manifold);
+    BulletBody *first = body_of(a), *second = body_of(b);
+    if (first) first->meetings.push_back({manifold, second});
+    if (second) second->meetings.push_back({manifold, first});
     return manifold;
   }
   void releaseManifold(btPersistentManifold* manifold) override {
     for (const btCollisionObject* object : {manifold->getBody0(), manifold->getBody1()})
-      if (BulletBody* body = body_of(object)) std::erase(body->manifolds, manifold);
+      if (BulletBody* body = body_of(object))
+        std::erase_if(body->meetings,
+                      [&](const Meeting& meeting) { return meeting.manifold == manifold; });
     btCollisionDispatcher::releaseManifold(manifold);
   }
 
