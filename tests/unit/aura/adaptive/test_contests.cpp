@@ -151,6 +151,21 @@ TEST_CASE("clusters that hang together through one of another server's get one v
   REQUIRE(decision.pulls[0].bodies.size() == 2);
 }
 
+TEST_CASE("clusters that meet the same body get one verdict") {
+  Scene scene;
+  // Of the first alone and it the middle lies beyond the boundary, of all three it does not.
+  scene.hosted = {awake_at(0, 9.9, 0), awake_at(1, 8.0, 3)};
+  scene.remote = {aura(2, 1, false, 10.3, 1.5)};
+  scene.remote[0].room.girth_m = 2.5;
+  scene.remote[0].company.label = 0;  // Its cluster is not known.
+  const auto decision = scene.decide();
+  REQUIRE(decision.leaving.empty());
+  REQUIRE(decision.pulls.size() == 1);
+  REQUIRE(decision.pulls[0].bodies == std::vector{name(2)});
+  scene.hosted.pop_back();
+  REQUIRE(scene.decide().leaving.size() == 1);
+}
+
 TEST_CASE("both servers of a pair look at the same overlap and exactly one moves its body") {
   for (const bool ours_sleeps : {false, true})
     for (const bool theirs_sleeps : {false, true}) {
