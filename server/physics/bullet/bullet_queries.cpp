@@ -78,6 +78,8 @@ std::vector<BodyId> bodies_touching(BulletWorld& world, const BulletBody& body) 
 void fetch_touching(const BulletBody& body, int step) {
   if (step == 0) {
     prefetch(&body.meetings);
+  } else if (body.meetings.empty()) {
+    return;
   } else if (step == 1) {
     prefetch(body.meetings.data(), body.meetings.size() * sizeof(Meeting));
   } else {
