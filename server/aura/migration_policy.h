@@ -16,6 +16,7 @@
 #include "server/aura/shapes/aura_capsule.h"
 #include "server/aura/shapes/aura_radius.h"
 #include "server/base/ids.h"
+#include "server/base/prefetch.h"
 #include "server/base/tick.h"
 #include "server/base/world_position.h"
 
@@ -109,9 +110,8 @@ class ContactSource {
   /// All slots are below.
   virtual std::size_t slots() const = 0;
   /// For who asks about many: begins to bring nearer what find_touching() needs of the one in
-  /// `slot`, in `fetch_steps` steps from 0 on. Each needs what the one before has brought.
-  virtual void fetch_touching(std::uint32_t /*slot*/, int /*step*/) const {}
-  static constexpr int fetch_steps = 3;
+  /// `slot`.
+  virtual void fetch_touching(std::uint32_t /*slot*/, FetchStep) const {}
   virtual BodyId body_in(std::uint32_t slot) const = 0;
 };
 

@@ -29,11 +29,8 @@ void Sleepers::move_home(const Rectangle& home) {
 
 void Sleepers::note_whether_beyond(Place place) {
   Sleeper& sleeper = sleepers_[place];
-  const AuraBox& box = sleeper.box;
-  const bool inside = home_.holds(box.centre.x() - box.half.x(), box.centre.z() - box.half.z(),
-                                  box.centre.x() + box.half.x(), box.centre.z() + box.half.z());
   sleeper.beyond = not_beyond;
-  if (inside) return;
+  if (home_.holds(footprint(sleeper.box))) return;
   sleeper.beyond = static_cast<std::uint32_t>(beyond_.size());
   beyond_.push_back(place);
 }

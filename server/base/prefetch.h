@@ -1,7 +1,9 @@
 // Bringing memory nearer before it is needed.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 
 namespace aureole {
 
@@ -20,6 +22,20 @@ inline void prefetch(const void* p, std::size_t size) {
   const auto* first = static_cast<const std::byte*>(p);
   for (std::size_t at = 0; at < size; at += cache_line) prefetch(first + at);
   prefetch(first + size - 1);
+}
+
+/// What lies behind pointers is brought nearer step by step: each needs what the one before has
+/// brought.
+enum class FetchStep : std::uint8_t {
+  object,  ///< What has a list,
+  list,    ///< that list,
+  listed,  ///< and what is on it.
+};
+inline constexpr std::array fetch_steps{FetchStep::object, FetchStep::list, FetchStep::listed};
+/// How many places of a queue before its turn something is to be fetched, one step at each place:
+/// the last one right before it.
+constexpr std::size_t places_ahead(FetchStep step) {
+  return fetch_steps.size() - static_cast<std::size_t>(step);
 }
 
 }  // namespace aureole

@@ -78,7 +78,7 @@ void PhysicsWorld::add_stand_ins(std::span<const NewBody> bodies) {
 void PhysicsWorld::wake_what_is_inside(std::span<const BodyId> stand_ins, float deeper_than_m) {
   for (const BodyId id : stand_ins) {
     const BulletBody& stand_in = impl_->stand_in(id);
-    for (const auto& [manifold, inside] : stand_in.meetings) {
+    for (const auto& [manifold, inside] : stand_in.contact_edges) {
       if (inside == nullptr || inside->immovable()) continue;
       for (int p = 0; p < manifold->getNumContacts(); ++p)
         if (manifold->getContactPoint(p).getDistance() < -deeper_than_m)
@@ -121,7 +121,7 @@ void PhysicsWorld::stand_in_loads(std::vector<StandInLoad>& out) const {
   constexpr std::size_t ahead = 8;
   const std::vector<BulletBody*>& all = impl_->stand_ins.bodies;
   for (std::size_t n = 0; n < all.size(); ++n) {
-    if (n + ahead < all.size()) prefetch(&all[n + ahead]->meetings);
+    if (n + ahead < all.size()) prefetch(&all[n + ahead]->contact_edges);
     append_loads(*all[n], out);
   }
 }

@@ -77,7 +77,7 @@ std::size_t PhysicsWorld::find_touching(std::uint32_t slot,
   return aureole::find_touching(*impl_->by_slot[slot], found);
 }
 
-void PhysicsWorld::fetch_touching(std::uint32_t slot, int step) const {
+void PhysicsWorld::fetch_touching(std::uint32_t slot, FetchStep step) const {
   aureole::fetch_touching(*impl_->by_slot[slot], step);
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/base/ids.h"
+#include "server/base/prefetch.h"
 #include "server/physics/body.h"
 
 namespace aureole {
@@ -134,9 +135,8 @@ class PhysicsWorld {
   /// at least one contact point with the one in `slot`; ascending. Returns how many it touches,
   /// stand-ins included, of which a compound may count more than once.
   std::size_t find_touching(std::uint32_t slot, std::vector<std::uint32_t>& found) const;
-  /// Begins to bring nearer what find_touching() needs, in steps 0, 1 and 2: each needs what the
-  /// one before has brought.
-  void fetch_touching(std::uint32_t slot, int step) const;
+  /// Begins to bring nearer what find_touching() needs.
+  void fetch_touching(std::uint32_t slot, FetchStep step) const;
   /// The body in a slot that is taken; all slots are below slots().
   BodyId body_in_slot(std::uint32_t slot) const;
   std::size_t slots() const;

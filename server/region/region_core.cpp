@@ -68,7 +68,7 @@ RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation 
   }
   for (const Injector& injector : world.injectors) {
     const Eigen::Vector3d &low = injector.volume.min, &high = injector.volume.max;
-    may_inject_here_.push_back(map_.area(self).overlaps(low.x(), low.z(), high.x(), high.z()));
+    may_inject_here_.push_back(map_.area(self).overlaps({low.x(), low.z(), high.x(), high.z()}));
   }
 }
 

@@ -64,7 +64,7 @@ struct RegionStatistics {
   std::uint64_t late_effects = 0;    ///< Blasts that came after their tick.
   std::uint64_t catch_up_steps = 0;  ///< Steps made up for groups that came late.
   std::uint64_t refused_bodies = 0;  ///< Not made because the world is full.
-  std::uint64_t whole_looks = 0;     ///< Decisions that the boundary strip was not enough for.
+  std::uint64_t whole_looks = 0;     ///< Decisions made over the whole region.
   std::uint64_t unacknowledged = 0;  ///< Messages in the journals.
   std::uint64_t stand_ins = 0;       ///< Resting bodies of others that ours can lean on.
   /// Stand-ins whose load rose above its value at the cut by more than mass × 0.15 m/s:
@@ -191,7 +191,7 @@ class RegionCore {
   void find_remote_auras();
   void migrate(Tick now);
   std::vector<BodyId> stirred_bodies(Tick now) const;
-  std::span<const HostedBody> look_at_hosted(Tick now, bool whole);
+  std::span<const HostedBody> look_at_hosted(Tick now);
   MigrationDecision decide(Tick now);
   void foresee_blasts(std::vector<HostedBody>& hosted, Tick now) const;
   void foresee_deeds(std::vector<HostedBody>& hosted, Tick now);

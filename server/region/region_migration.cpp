@@ -1,7 +1,9 @@
 // A region's decisions on who hosts what: what the policy is told, and what becomes of its answer.
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -13,6 +15,8 @@
 namespace aureole {
 namespace {
 
+constexpr double everything_m = std::numeric_limits<double>::infinity();
+
 /// What the policy may ask of contacts.
 class Touching final : public ContactSource {
  public:
@@ -21,7 +25,7 @@ class Touching final : public ContactSource {
     return physics_.find_touching(slot, found);
   }
   std::size_t slots() const override { return physics_.slots(); }
-  void fetch_touching(std::uint32_t slot, int step) const override {
+  void fetch_touching(std::uint32_t slot, FetchStep step) const override {
     physics_.fetch_touching(slot, step);
   }
   BodyId body_in(std::uint32_t slot) const override { return physics_.body_in_slot(slot); }
@@ -137,13 +141,12 @@ std::vector<BodyId> RegionCore::stirred_bodies(Tick now) const {
   return stirred;
 }
 
-std::span<const HostedBody> RegionCore::look_at_hosted(Tick now, bool whole) {
+std::span<const HostedBody> RegionCore::look_at_hosted(Tick now) {
   std::vector<BodyId> asked_for;
   for (const HandoverRequest& request : handover_requests_) asked_for.push_back(request.body);
   const std::vector<BodyId> stirred = stirred_bodies(now);
   std::vector<HostedBody>& hosted = hosted_bodies_.look(
-      hosting_, {stand_in_watch_, reach_time_s(tolerances_.limits()), whole, asked_for, stirred},
-      now);
+      hosting_, {stand_in_watch_, reach_time_s(tolerances_.limits()), asked_for, stirred}, now);
   for (const Avatar* avatar : players_.avatars()) {
     if (avatar->carried == BodyId{} || !index_of(hosted, avatar->body())) continue;
     if (const auto carried = index_of(hosted, avatar->carried))
@@ -175,10 +178,17 @@ MigrationDecision RegionCore::decide(Tick now) {
       linked[id.as_region().value] =
           peer.up && !peer.recovering && !waits_for_auras(id.as_region(), peer, now);
   MigrationDecision decision;
-  hosted_bodies_.begin(hosting_, remote_auras_, policy_->depth_m() + home_lines_.margin_m(), now);
+  const double depth_m = policy_->depth_m() + home_lines_.margin_m();
+  const bool asks_largest = load_levels_.is_to_choose(now);
+  // Where a strip is not enough, one twice as deep nearly always is. But if the largest cluster is
+  // asked for it is to be the largest of the region, as far as that has to be looked at.
+  const double deeper_m = asks_largest ? everything_m : 2 * depth_m;
+  hosted_bodies_.begin(hosting_, std::isfinite(depth_m), now);
   const Touching contacts(hosting_.physics());
-  for (const bool whole : {false, true}) {
-    const std::span<const HostedBody> hosted = look_at_hosted(now, whole);
+  for (const double look_m : {depth_m, deeper_m, everything_m}) {
+    if (depth_m < look_m && look_m == everything_m) ++extra_.whole_looks;
+    hosted_bodies_.show_within(look_m, remote_auras_);
+    const std::span<const HostedBody> hosted = look_at_hosted(now);
     decision = policy_->decide({.now = now,
                                 .self = self_,
                                 .map = home_lines_.map(),
@@ -187,15 +197,14 @@ MigrationDecision RegionCore::decide(Tick now) {
                                 .requested = handover_requests_,
                                 .linked = linked,
                                 .contacts = &contacts,
-                                .view = whole ? nullptr : &hosted_bodies_.strip(),
+                                .view = hosted_bodies_.view(),
                                 .sleepers = hosted_bodies_.sleepers(),
                                 .awake = awake_everywhere_,
                                 .order = {load_levels_.in_force(now), neighbours_},
                                 .order_before = {load_levels_.in_force_before(now), neighbours_},
                                 .map_margin_m = home_lines_.margin_m(),
-                                .asks_largest = load_levels_.is_to_choose(now)});
+                                .asks_largest = asks_largest});
     if (!decision.sees_too_little) break;
-    ++extra_.whole_looks;
   }
   handover_requests_.clear();
   largest_cluster_ = decision.largest_cluster;

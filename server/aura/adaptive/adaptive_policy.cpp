@@ -183,9 +183,7 @@ class AdaptivePolicy final : public MigrationPolicy {
       const AuraBox& box = outlook_.box(i);
       const RegionSet visitors = visitors_.of(i);
       RegionSet told = visitors;
-      const bool inside = home.holds(box.centre.x() - box.half.x(), box.centre.z() - box.half.z(),
-                                     box.centre.x() + box.half.x(), box.centre.z() + box.half.z());
-      if (!inside) told.add(audience(s, box));
+      if (!home.holds(footprint(box))) told.add(audience(s, box));
       told.remove(s.self);
       if (told.empty()) continue;
       ProjectedAura& aura = decision.projected.emplace_back();

@@ -16,19 +16,6 @@ double overlap(double a_min, double a_max, double b_min, double b_max) {
 
 }  // namespace
 
-double Rectangle::distance(double x, double z) const {
-  const double dx = std::max({min_x - x, x - max_x, 0.0});
-  const double dz = std::max({min_z - z, z - max_z, 0.0});
-  // Lengths in a world neither burst nor vanish when they are squared.
-  return std::sqrt(dx * dx + dz * dz);
-}
-
-double Rectangle::distance(const Rectangle& other) const {
-  const double dx = std::max(-overlap(min_x, max_x, other.min_x, other.max_x), 0.0);
-  const double dz = std::max(-overlap(min_z, max_z, other.min_z, other.max_z), 0.0);
-  return std::hypot(dx, dz);
-}
-
 PartitionMap::PartitionMap(std::vector<Rectangle> areas, std::uint64_t version)
     : areas_(std::move(areas)), version_(version), neighbours_(areas_.size()) {
   AUREOLE_CHECK(!areas_.empty(), "a world has at least one region");

@@ -3,40 +3,12 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <vector>
 
+#include "server/aura/shapes/rectangle.h"
 #include "server/base/ids.h"
 
 namespace aureole {
-
-/// Half-open rectangle [min, max) of the ground plane (unit: m); the outermost sides are infinite.
-struct Rectangle {
-  double min_x = -std::numeric_limits<double>::infinity();
-  double min_z = -std::numeric_limits<double>::infinity();
-  double max_x = std::numeric_limits<double>::infinity();
-  double max_z = std::numeric_limits<double>::infinity();
-
-  bool contains(double x, double z) const {
-    return x >= min_x && x < max_x && z >= min_z && z < max_z;
-  }
-  bool overlaps(double low_x, double low_z, double high_x, double high_z) const {
-    return low_x < max_x && high_x >= min_x && low_z < max_z && high_z >= min_z;
-  }
-  /// Whether all of the box is in it, its edges included.
-  bool holds(double low_x, double low_z, double high_x, double high_z) const {
-    return low_x >= min_x && high_x < max_x && low_z >= min_z && high_z < max_z;
-  }
-  /// Without what is less than `depth_m` from its edges; holds nothing if that is all of it.
-  Rectangle inner(double depth_m) const {
-    return {min_x + depth_m, min_z + depth_m, max_x - depth_m, max_z - depth_m};
-  }
-  /// Between their nearest points; 0 if they overlap or share an edge (unit: m).
-  double distance(const Rectangle& other) const;
-  /// Distance from the point to the rectangle; 0 inside and on its edge (unit: m).
-  double distance(double x, double z) const;
-  friend bool operator==(const Rectangle&, const Rectangle&) = default;
-};
 
 /// A piece of a vertical plane between two regions. One of the coordinates is constant.
 struct BoundarySegment {

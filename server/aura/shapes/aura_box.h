@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <array>
 
+#include "server/aura/shapes/rectangle.h"
+
 namespace aureole {
 
 /// Axis-aligned box in world coordinates (unit: m). Half extents ≥ 0.
@@ -16,6 +18,12 @@ struct AuraBox {
            std::abs(centre.y() - other.centre.y()) <= half.y() + other.half.y();
   }
 };
+
+/// The ground that it stands on or over.
+inline Rectangle footprint(const AuraBox& box) {
+  return {box.centre.x() - box.half.x(), box.centre.z() - box.half.z(),
+          box.centre.x() + box.half.x(), box.centre.z() + box.half.z()};
+}
 
 /// The box around both.
 inline AuraBox joined(const AuraBox& a, const AuraBox& b) {

@@ -23,7 +23,7 @@ enum class Role : std::uint8_t {
 struct BulletBody;
 
 /// One of a body's manifolds, and who else it is of.
-struct Meeting {
+struct ContactEdge {
   btPersistentManifold* manifold;
   BulletBody* partner;  ///< A body or a stand-in; null: static geometry.
 };
@@ -41,7 +41,7 @@ struct BulletBody {
   bool marked = false;     ///< Member of the group that a call is about; false between calls.
   std::uint32_t slot = 0;  ///< See BodyGlance::slot(); stand-ins have one too.
   /// Bullet's for its pairs, with points or without; in no order. See Dispatcher.
-  std::vector<Meeting> meetings;
+  std::vector<ContactEdge> contact_edges;
   Eigen::Quaternionf orientation{Eigen::Quaternionf::Identity()};  ///< What the basis was made of.
   Eigen::Vector3f obstacle_linear{0, 0, 0};                        ///< m/s
   Eigen::Vector3f obstacle_angular{0, 0, 0};                       ///< rad/s

@@ -99,8 +99,8 @@ void BulletWorld::erase_all(std::span<BulletBody* const> all) {
 }
 
 void BulletWorld::moved_by_hand(BulletBody& body, Wake wake) {
-  for (const Meeting& meeting : body.meetings) prefetch_manifold(meeting.manifold);
-  for (const auto& [manifold, other] : body.meetings) {
+  for (const ContactEdge& edge : body.contact_edges) prefetch_manifold(edge.manifold);
+  for (const auto& [manifold, other] : body.contact_edges) {
     if (manifold->getNumContacts() == 0) continue;
     if (wake == Wake::touching && other && !other->immovable()) other->rigid.activate(true);
     // Points that no longer hold would carry a sleeping body for ever.

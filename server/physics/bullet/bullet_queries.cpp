@@ -75,18 +75,21 @@ std::vector<BodyId> bodies_touching(BulletWorld& world, const BulletBody& body) 
   return out;
 }
 
-void fetch_touching(const BulletBody& body, int step) {
-  if (step == 0) {
-    prefetch(&body.meetings);
-  } else if (body.meetings.empty()) {
-    return;
-  } else if (step == 1) {
-    prefetch(body.meetings.data(), body.meetings.size() * sizeof(Meeting));
-  } else {
-    for (const Meeting& meeting : body.meetings) {
-      prefetch_point_count(meeting.manifold);
-      if (meeting.partner) prefetch(&meeting.partner->role);
-    }
+void fetch_touching(const BulletBody& body, FetchStep step) {
+  const std::vector<ContactEdge>& edges = body.contact_edges;
+  switch (step) {
+    case FetchStep::object:
+      prefetch(&edges);
+      break;
+    case FetchStep::list:
+      if (!edges.empty()) prefetch(edges.data(), edges.size() * sizeof(ContactEdge));
+      break;
+    case FetchStep::listed:
+      for (const ContactEdge& edge : edges) {
+        prefetch_point_count(edge.manifold);
+        if (edge.partner) prefetch(&edge.partner->role);
+      }
+      break;
   }
 }
 
@@ -94,8 +97,8 @@ std::size_t find_touching(const BulletBody& body, std::vector<std::uint32_t>& fo
   found.clear();
   std::size_t on_stand_ins = 0;
   // Each lies somewhere else: they are fetched side by side, not one after another.
-  fetch_touching(body, 2);
-  for (const auto& [manifold, partner] : body.meetings) {
+  fetch_touching(body, FetchStep::listed);
+  for (const auto& [manifold, partner] : body.contact_edges) {
     if (!partner || manifold->getNumContacts() == 0) continue;
     if (partner->role == Role::stand_in)
       ++on_stand_ins;
@@ -109,7 +112,7 @@ std::size_t find_touching(const BulletBody& body, std::vector<std::uint32_t>& fo
 
 void append_loads(const BulletBody& stand_in, std::vector<StandInLoad>& loads) {
   const auto first = static_cast<std::ptrdiff_t>(loads.size());
-  for (const auto& [manifold, body] : stand_in.meetings) {
+  for (const auto& [manifold, body] : stand_in.contact_edges) {
     if (manifold->getNumContacts() == 0) continue;
     if (!body || !body->rigid.isActive()) continue;
     float sum = 0;

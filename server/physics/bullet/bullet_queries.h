@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "server/base/prefetch.h"
 #include "server/physics/bullet/bullet_world.h"
 
 namespace aureole {
@@ -18,8 +19,8 @@ std::vector<BodyId> bodies_touching(BulletWorld& world, const BulletBody& body);
 /// Replaces `found` by the slots of the bodies that share a contact point with `body`, ascending.
 /// Returns how many it touches, stand-ins included; a compound stand-in may count more than once.
 std::size_t find_touching(const BulletBody& body, std::vector<std::uint32_t>& found);
-/// Begins to bring nearer what that needs: the body (step 0), its list (1), what is on it (2).
-void fetch_touching(const BulletBody& body, int step);
+/// Begins to bring nearer what that needs.
+void fetch_touching(const BulletBody& body, FetchStep step);
 /// Appends what awake bodies press on a stand-in with, ascending by their ids.
 void append_loads(const BulletBody& stand_in, std::vector<StandInLoad>& loads);
 bool has_support(BulletWorld& world, const BulletBody& body, float min_up);

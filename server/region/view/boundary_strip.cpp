@@ -26,7 +26,7 @@ void BoundaryStrip::note(std::span<const RemoteAura> remote, double depth_m) {
     const double x = box.half.x() + depth_m, z = box.half.z() + depth_m;
     const Rectangle wide{box.centre.x() - x, box.centre.z() - z, box.centre.x() + x,
                          box.centre.z() + z};
-    if (!inner_.overlaps(wide.min_x, wide.min_z, wide.max_x, wide.max_z)) continue;
+    if (!inner_.overlaps(wide)) continue;
     low_x_ = visited_ ? std::min(low_x_, wide.min_x) : wide.min_x;
     low_z_ = visited_ ? std::min(low_z_, wide.min_z) : wide.min_z;
     high_x = visited_ ? std::max(high_x, wide.max_x) : wide.max_x;

@@ -78,12 +78,15 @@ void HostedBodies::move_home(const PartitionMap& map, RegionId self, double marg
   sleepers_.move_home(map.area(self).inner(margin_m));
 }
 
-void HostedBodies::begin(Hosting& hosting, std::span<const RemoteAura> remote, double depth_m,
-                         Tick now) {
-  apart_ = std::isfinite(depth_m);
-  strip_.note(remote, depth_m);
+void HostedBodies::begin(Hosting& hosting, bool apart, Tick now) {
+  apart_ = apart;
   const std::span<const BodyId> changed = hosting.begin_look(now);
   if (apart_) keep_sleepers(hosting, changed);
+}
+
+void HostedBodies::show_within(double depth_m, std::span<const RemoteAura> remote) {
+  shows_all_ = !std::isfinite(depth_m);
+  if (!shows_all_) strip_.note(remote, depth_m);
 }
 
 /// Names them first, so that what is known of them comes near while they are looked at.
@@ -96,13 +99,13 @@ void HostedBodies::find_shown(Hosting& hosting, const Look& look) {
   auto stirred = look.stirred.begin();
   const auto expect_sleeper = [&](BodyId id) {
     const auto place = sleepers_.place_of(id);
-    if (place && (look.whole || strip_.holds(sleepers_.body(*place).position))) expect(id, sleeps);
+    if (place && (shows_all_ || strip_.holds(sleepers_.body(*place).position))) expect(id, sleeps);
   };
   const std::span<const NewBody> awake = hosting.physics().awake();
   for (std::size_t n = 0; n < awake.size(); ++n) {
     const BodyId id = awake[n].id;
     while (stirred != look.stirred.end() && *stirred < id) expect_sleeper(*stirred++);
-    if (look.whole || strip_.holds(awake[n].state.position) ||
+    if (shows_all_ || strip_.holds(awake[n].state.position) ||
         std::binary_search(look.asked_for.begin(), look.asked_for.end(), id))
       expect(id, n);
   }

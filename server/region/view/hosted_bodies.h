@@ -26,13 +26,15 @@ class HostedBodies {
   /// The region ends elsewhere now, or others may think so (`margin_m`: by how much).
   void move_home(const PartitionMap& map, RegionId self, double margin_m);
 
-  /// Once a decision, before look(): what others project, and how deep the strip is now.
-  void begin(Hosting& hosting, std::span<const RemoteAura> remote, double depth_m, Tick now);
+  /// Once a decision. `apart`: those who sleep are kept apart.
+  void begin(Hosting& hosting, bool apart, Tick now);
+  /// Before each look: how deep the strip is for it, and what others project. Infinite: whoever is
+  /// awake is shown, wherever it is.
+  void show_within(double depth_m, std::span<const RemoteAura> remote);
 
   struct Look {
     const StandInWatch& watch;
     double reach_s = 0;
-    bool whole = false;  ///< Whoever is awake is shown, wherever it is.
     /// To be shown wherever they are; ascending, some may not be here.
     std::span<const BodyId> asked_for;
     /// To be shown though they sleep; the same.
@@ -41,7 +43,8 @@ class HostedBodies {
   /// Ascending; see MigrationSituation::hosted. The caller's until the next call.
   std::vector<HostedBody>& look(Hosting& hosting, const Look& look, Tick now);
 
-  const BoundaryStrip& strip() const { return strip_; }
+  /// What look() shows; null: everything.
+  const View* view() const { return shows_all_ ? nullptr : &strip_; }
   /// Null: they are among those that look() returns.
   const Sleepers* sleepers() const { return apart_ ? &sleepers_ : nullptr; }
 
@@ -56,6 +59,7 @@ class HostedBodies {
   BoundaryStrip strip_;
   Sleepers sleepers_;
   bool apart_ = false;
+  bool shows_all_ = false;
   std::vector<BodyId> awake_;  ///< As of the last decision; ascending.
   std::vector<BodyId> awake_now_;
   static constexpr std::size_t sleeps = static_cast<std::size_t>(-1);

@@ -18,14 +18,9 @@ PartitionMap columns() {
       {{-inf, -inf, 10, inf}, {10, -inf, 20, inf}, {20, -inf, 30, inf}, {30, -inf, inf, inf}});
 }
 
-bool is_inside(const Rectangle& home, const AuraBox& box) {
-  return home.holds(box.centre.x() - box.half.x(), box.centre.z() - box.half.z(),
-                    box.centre.x() + box.half.x(), box.centre.z() + box.half.z());
-}
-
 /// As the adaptive mode asks: three times half the larger edge.
 RegionSet told_of(const PartitionMap& map, RegionId home, const AuraBox& box) {
-  if (is_inside(map.area(home), box)) return {};
+  if (map.area(home).holds(footprint(box))) return {};
   return audience_at_home(map, home, WorldPosition::from(box.centre),
                           3 * std::max(box.half.x(), box.half.z()));
 }
@@ -104,7 +99,7 @@ TEST_CASE("of two servers that disagree where they end, one that knows it tells 
     };
     // As the adaptive mode asks where three regions meet.
     const auto told = [](const PartitionMap& by, RegionId host, const AuraBox& box, double margin) {
-      if (is_inside(Rectangle(by.area(host)).inner(margin), box)) return RegionSet{};
+      if (Rectangle(by.area(host)).inner(margin).holds(footprint(box))) return RegionSet{};
       const double reach_m = std::max(box.half.x(), box.half.z());
       return audience_of(by, host, WorldPosition::from(box.centre), 1.5 * reach_m + margin);
     };

@@ -2,6 +2,7 @@
 #include "server/aura/adaptive/contests/neighbourhood.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "server/aura/adaptive/homecoming.h"
@@ -27,14 +28,11 @@ void Neighbourhood::begin(const MigrationSituation& situation, const Outlook& ou
 void Neighbourhood::add_around(const AuraBox& box, const Horizon& look, RegionSet& around) const {
   AuraBox wide = box;
   wide.half.array() += look.clearance_m;
-  const double low_x = wide.centre.x() - wide.half.x(), high_x = wide.centre.x() + wide.half.x();
-  const double low_z = wide.centre.z() - wide.half.z(), high_z = wide.centre.z() + wide.half.z();
-  const Rectangle& home = situation_->map.area(situation_->self);
-  const bool inside = home.holds(low_x, low_z, high_x, high_z);
-  if (!inside)
+  const Rectangle ground = footprint(wide);
+  if (!situation_->map.area(situation_->self).holds(ground))
     for (std::uint16_t k = 0; k < situation_->map.size(); ++k)
       if ((look.away_too || situation_->linked[k]) &&
-          situation_->map.area(RegionId{k}).overlaps(low_x, low_z, high_x, high_z))
+          situation_->map.area(RegionId{k}).overlaps(ground))
         around.add(RegionId{k});
   if (outlook_->near_others(wide))
     outlook_->remote_rows().find_each(RoughBox::around(wide), [&](const BoxRows::Hit& hit) {
@@ -48,14 +46,13 @@ void Neighbourhood::add_others_near(const AuraBox& box, double clearance_m,
                                     RegionSet& around) const {
   AuraBox wide = box;
   wide.half.array() += clearance_m;
-  const double low_x = wide.centre.x() - wide.half.x(), high_x = wide.centre.x() + wide.half.x();
-  const double low_z = wide.centre.z() - wide.half.z(), high_z = wide.centre.z() + wide.half.z();
+  const Rectangle ground = footprint(wide);
   std::vector<std::uint32_t> found;
   bool searched = false;
   for (std::uint16_t k = 0; k < situation_->map.size(); ++k) {
     const RegionId other{k};
     if (other == situation_->self || around.contains(other)) continue;
-    if (situation_->map.area(other).overlaps(low_x, low_z, high_x, high_z)) {
+    if (situation_->map.area(other).overlaps(ground)) {
       around.add(other);
       continue;
     }
@@ -95,33 +92,35 @@ const RegionSet& Neighbourhood::of(Clusters::Number cluster) {
   return *known;
 }
 
-bool Neighbourhood::is_crowded(Clusters::Number cluster) {
-  if (situation_->map.size() < 3) return false;
-  // Where at most one other is near the room that holds them all, none needs to be looked for.
-  const Horizon& look = horizon_of(cluster);
-  rooms_.clear();
-  for (const std::uint32_t member : clusters_->members(cluster))
-    rooms_.push_back(room_of(member, look));
-  AuraBox room = rooms_.front();
-  for (std::size_t n = 1; n < rooms_.size(); ++n) room = joined(room, rooms_[n]);
-  room.half.array() += look.clearance_m;
+/// Whether several others have their region, or any aura, near the box around all of rooms_. If
+/// not, no closer look finds several.
+bool Neighbourhood::may_be_crowded(const Horizon& look) const {
+  AuraBox all = rooms_.front();
+  for (const AuraBox& room : std::span(rooms_).subspan(1)) all = joined(all, room);
+  all.half.array() += look.clearance_m;
+  const Rectangle ground = footprint(all);
   RegionSet near;
   for (std::uint16_t k = 0; k < situation_->map.size(); ++k) {
     const RegionId region{k};
     if (region == situation_->self) continue;
-    const double low_x = room.centre.x() - room.half.x();
-    const double low_z = room.centre.z() - room.half.z();
-    const double high_x = room.centre.x() + room.half.x();
-    const double high_z = room.centre.z() + room.half.z();
-    if (situation_->map.area(region).overlaps(low_x, low_z, high_x, high_z) ||
-        (rooms_of_hosts_[k] && rooms_of_hosts_[k]->overlaps(room)))
+    if (situation_->map.area(region).overlaps(ground) ||
+        (rooms_of_hosts_[k] && rooms_of_hosts_[k]->overlaps(all)))
       near.add(region);
   }
-  if (!near.holds_several()) return false;
+  return near.holds_several();
+}
+
+bool Neighbourhood::is_crowded(Clusters::Number cluster) {
+  if (situation_->map.size() < 3) return false;
   std::optional<RegionSet>& known = known_of(cluster);
   if (!known) {
-    known.emplace();
-    for (const AuraBox& box : rooms_) add_around(box, look, *known);
+    const Horizon& look = horizon_of(cluster);
+    rooms_.clear();
+    for (const std::uint32_t member : clusters_->members(cluster))
+      rooms_.push_back(room_of(member, look));
+    if (!may_be_crowded(look)) return false;
+    RegionSet& around = known.emplace();
+    for (const AuraBox& room : rooms_) add_around(room, look, around);
   }
   return known->holds_several();
 }

@@ -50,6 +50,7 @@ class Neighbourhood {
   AuraBox room_of(std::uint32_t body, const Horizon& look) const;
   const Horizon& horizon_of(Clusters::Number cluster) const;
   std::optional<RegionSet>& known_of(Clusters::Number cluster);
+  bool may_be_crowded(const Horizon& look) const;
 
   const MigrationSituation* situation_ = nullptr;
   const Outlook* outlook_ = nullptr;

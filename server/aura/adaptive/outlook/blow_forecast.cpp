@@ -155,10 +155,9 @@ void BlowForecast::look_around(std::uint32_t from, double flight_m) {
 void BlowForecast::pass_on() {
   for (std::size_t k = 0; k < front_.size(); ++k) {
     const std::uint32_t from = front_[k];
-    for (int step = 0; step < ContactSource::fetch_steps; ++step) {
-      const std::size_t ahead = k + static_cast<std::size_t>(ContactSource::fetch_steps - step);
-      if (ahead < front_.size()) stage_->fetch_touching(front_[ahead], step);
-    }
+    for (const FetchStep step : fetch_steps)
+      if (const std::size_t next = k + places_ahead(step); next < front_.size())
+        stage_->fetch_touching(front_[next], step);
     Forecast::Fate& fate = forecast_->of(from);
     fate.waits = false;
     const HostedBody& body = stage_->body(from);

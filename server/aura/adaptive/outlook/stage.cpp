@@ -130,7 +130,7 @@ std::size_t Stage::find_touching(std::uint32_t number, std::vector<std::uint32_t
   return known.touched;
 }
 
-void Stage::fetch_touching(std::uint32_t number, int step) const {
+void Stage::fetch_touching(std::uint32_t number, FetchStep step) const {
   if (number < touching_of_.size() && touching_of_[number].begin != none) return;
   situation_->contacts->fetch_touching(body(number).slot, step);
 }

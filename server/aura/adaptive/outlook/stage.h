@@ -47,7 +47,7 @@ class Stage {
   /// touches; see ContactSource. Who is asked for again has not changed since.
   std::size_t find_touching(std::uint32_t number, std::vector<std::uint32_t>& found);
   /// Who is going to be asked for in find_touching(): see ContactSource::fetch_touching().
-  void fetch_touching(std::uint32_t number, int step) const;
+  void fetch_touching(std::uint32_t number, FetchStep step) const;
 
   /// The numbers of all who are on it now, by their ids. Valid until somebody comes.
   std::span<const std::uint32_t> ascending();

@@ -26,15 +26,15 @@ class Dispatcher : public btCollisionDispatcher {
                                        const btCollisionObject* b) override {
     btPersistentManifold* manifold = btCollisionDispatcher::getNewManifold(a, b);
     BulletBody *first = body_of(a), *second = body_of(b);
-    if (first) first->meetings.push_back({manifold, second});
-    if (second) second->meetings.push_back({manifold, first});
+    if (first) first->contact_edges.push_back({manifold, second});
+    if (second) second->contact_edges.push_back({manifold, first});
     return manifold;
   }
   void releaseManifold(btPersistentManifold* manifold) override {
     for (const btCollisionObject* object : {manifold->getBody0(), manifold->getBody1()})
       if (BulletBody* body = body_of(object))
-        std::erase_if(body->meetings,
-                      [&](const Meeting& meeting) { return meeting.manifold == manifold; });
+        std::erase_if(body->contact_edges,
+                      [&](const ContactEdge& edge) { return edge.manifold == manifold; });
     btCollisionDispatcher::releaseManifold(manifold);
   }
 

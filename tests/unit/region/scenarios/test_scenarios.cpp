@@ -237,6 +237,26 @@ TEST_CASE("both servers see the same overlap at the same tick, and one body migr
     }
 }
 
+TEST_CASE("who hangs together deep into a region is seen whole, however deep that is") {
+  // A strip of 12 m along the boundary is looked at, then one of 24, then everything. What comes
+  // within 5.1 m of the end of what is seen may go on there.
+  const auto [balls, looks_at_everything] =
+      GENERATE(table<int, bool>({{6, false}, {20, false}, {40, true}}));
+  INFO(balls << " balls in a row, 0.75 m apart");
+  WorldDefinition world = flat_world(1);
+  world.regions = {{"a", {-inf, -inf, 0, inf}}, {"b", {0, -inf, inf, inf}}};
+  std::vector<BodyId> row;
+  for (int n = 0; n < balls; ++n)
+    row.push_back(put_on(world, 0, {-0.35 - 0.75 * n, 0.3, 0}, {0, 0, 2}));
+  const BodyId other = put_on(world, 1, {0.4, 0.3, 0}, {0, 0, 2});
+  RegionCluster cluster(world);
+  cluster.step(30);
+  // The middle of them all is on the left.
+  for (const BodyId id : row) REQUIRE(cluster.owner(id) == 0);
+  CHECK(cluster.owner(other) == 0);
+  CHECK((cluster.core(0).statistics().whole_looks > 0) == looks_at_everything);
+}
+
 TEST_CASE("a chain of ten bodies across three regions passes a blow on as on one server") {
   auto whole = flat_world(1), split = flat_world(3, 2);
   std::vector<BodyId> chain;

@@ -13,7 +13,7 @@ using namespace aureole::testing;
 
 namespace {
 
-constexpr double depth_m = 12;
+constexpr double depth_m = 12, everything_m = std::numeric_limits<double>::infinity();
 
 /// A region of two, with bodies of its own, as RegionCore would look at it.
 struct Region {
@@ -24,10 +24,11 @@ struct Region {
         bodies(map, RegionId{0}, hosting.statics()) {}
 
   std::vector<HostedBody>& look(std::vector<BodyId> asked_for = {},
-                                std::vector<BodyId> stirred = {}, bool whole = false) {
+                                std::vector<BodyId> stirred = {}, double look_m = depth_m) {
     now = now + 1;
-    bodies.begin(hosting, {}, depth_m, now);
-    return bodies.look(hosting, {watch, 0.128, whole, asked_for, stirred}, now);
+    bodies.begin(hosting, true, now);
+    bodies.show_within(look_m, {});
+    return bodies.look(hosting, {watch, 0.128, asked_for, stirred}, now);
   }
   void step(int ticks) {
     for (int i = 0; i < ticks; ++i) {
@@ -87,18 +88,34 @@ TEST_CASE("a sleeper is shown when something is to happen with it, and so is who
   const BodyId deep_awake = region.spawn(2, 10, Activation::awake);
   REQUIRE(region.look().empty());
   REQUIRE(region.look({}, {near, deep}).size() == 1);
-  REQUIRE(region.look({}, {near, deep}, true).size() == 3);
+  REQUIRE(region.look({}, {near, deep}, everything_m).size() == 3);
   REQUIRE(region.look({deep_awake})[0].id == deep_awake);
   // A sleeper that is asked for is found by its name.
   REQUIRE(region.look({deep}).empty());
   REQUIRE(region.bodies.sleepers()->place_of(deep));
 }
 
+TEST_CASE("a deeper strip shows more in the same decision, and so does a look at everything") {
+  Region region(flat_world(2));
+  for (const int n : {0, 1, 2}) region.spawn(n, 45 - 15.0 * n, Activation::awake);
+  region.bodies.begin(region.hosting, true, Tick{1});
+  std::size_t expected = 1;
+  for (const double look_m : {depth_m, 2 * depth_m, everything_m}) {
+    region.bodies.show_within(look_m, {});
+    const auto& shown = region.bodies.look(region.hosting, {region.watch, 0.128}, Tick{1});
+    REQUIRE(shown.size() == expected++);
+    const View* view = region.bodies.view();
+    REQUIRE((view == nullptr) == (look_m == everything_m));
+    if (view != nullptr) REQUIRE(view->holds(30, 0) == (look_m > depth_m));
+  }
+}
+
 TEST_CASE("it is known since when somebody has been looked at here") {
   Region region(flat_world(2));
   region.spawn(0, 45, Activation::awake);
   for (const std::int64_t tick : {5, 9}) {
-    region.bodies.begin(region.hosting, {}, std::numeric_limits<double>::infinity(), Tick{tick});
+    region.bodies.begin(region.hosting, false, Tick{tick});
+    region.bodies.show_within(everything_m, {});
     const auto& shown = region.bodies.look(region.hosting, {region.watch, 0.128}, Tick{tick});
     REQUIRE(shown.size() == 1);
     CHECK(shown[0].came == Tick{5});
@@ -109,7 +126,8 @@ TEST_CASE("a policy that looks at everything is shown everybody") {
   Region region(flat_world(2));
   region.spawn(0, 45, Activation::asleep);
   region.spawn(1, 20, Activation::awake);
-  region.bodies.begin(region.hosting, {}, std::numeric_limits<double>::infinity(), Tick{1});
+  region.bodies.begin(region.hosting, false, Tick{1});
+  region.bodies.show_within(everything_m, {});
   REQUIRE(region.bodies.look(region.hosting, {region.watch, 0.128}, Tick{1}).size() == 2);
   REQUIRE(region.bodies.sleepers() == nullptr);
 }
@@ -146,7 +164,7 @@ TEST_CASE("whatever happens, everybody is either shown or asleep where it lies")
         region.hosting.accept(gone.group, RegionId{1}, region.now);
     }
     if (random() % 2 == 0) region.hosting.physics().step(tick_s);
-    const auto& shown = region.look({}, {}, true);
+    const auto& shown = region.look({}, {}, everything_m);
     const Sleepers& sleepers = *region.bodies.sleepers();
     REQUIRE(shown.size() + sleepers.size() == here.size());
     for (const BodyId id : here) {
