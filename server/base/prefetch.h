@@ -14,6 +14,8 @@ inline constexpr std::size_t cache_line = 64;
 /// Begins to bring the line at `p` into the cache. `p` may be anything, also an address of nothing.
 inline void prefetch(const void* p) {
   __builtin_prefetch(p);
+  // Says that this does something: else GCC leaves out calls of functions that only fetch.
+  asm volatile("" : : "r"(p));
 }
 
 /// The same for all lines of the object or array at `p` of `size` bytes, at least one: what is asked

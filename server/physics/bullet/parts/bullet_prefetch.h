@@ -20,17 +20,18 @@ inline void prefetch_object(const btCollisionObject* object) {
   prefetch(object, 5 * cache_line);
 }
 
-/// Its first contact point, as good as all of it where there is but one, and what comes after its
-/// points: how many they are.
-inline void prefetch_manifold(const btPersistentManifold* manifold) {
-  prefetch(manifold, 4 * cache_line);
-  prefetch(&manifold->m_companionIdA);
-}
-
-/// How many contact points it has: Bullet 3.24 keeps that in 32 bytes before this.
+/// What comes after a manifold's contact points: whose it is, how many they are, how far they may
+/// be apart. Bullet 3.24 keeps that in the 32 bytes before this; pools begin 32 bytes into a line,
+/// and then the two are not in the same one.
 inline void prefetch_point_count(const btPersistentManifold* manifold) {
   constexpr std::size_t before = 32;
-  prefetch(reinterpret_cast<const std::byte*>(&manifold->m_companionIdA) - before, before);
+  prefetch(reinterpret_cast<const std::byte*>(&manifold->m_companionIdA) - before, before + 1);
+}
+
+/// The same, and its first contact point, as good as all of it where there is but one.
+inline void prefetch_manifold(const btPersistentManifold* manifold) {
+  prefetch(manifold, 4 * cache_line);
+  prefetch_point_count(manifold);
 }
 
 }  // namespace aureole
