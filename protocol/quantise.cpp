@@ -22,13 +22,6 @@ double nearest(double value) {
   return (value + no_fractions) - no_fractions;
 }
 
-/// The lowest byte first.
-template <std::size_t count>
-void store_bytes(std::uint64_t bits, std::uint8_t* to) {
-  static_assert(std::endian::native == std::endian::little && count <= sizeof bits);
-  std::memcpy(to, &bits, count);
-}
-
 std::int32_t to_cells(double metres) {
   if (std::isnan(metres)) return 0;
   const double cells =
@@ -106,7 +99,8 @@ QuantisedPosition quantise(const WorldPosition& position) {
   const auto bits = [&](int axis) {
     return std::uint64_t{static_cast<std::uint32_t>(cells[axis]) & 0xffffff};
   };
-  store_bytes<8>(bits(0) | bits(1) << 24 | bits(2) << 48, q.data());
+  const std::uint64_t first = bits(0) | bits(1) << 24 | bits(2) << 48;
+  std::memcpy(q.data(), &first, sizeof first);
   q[8] = static_cast<std::uint8_t>(bits(2) >> 16);
   return q;
 }
@@ -122,7 +116,7 @@ WorldPosition dequantise(const QuantisedPosition& q) {
   return {metres[0], metres[1], metres[2]};
 }
 
-QuantisedOrientation quantise(const Eigen::Quaternionf& orientation) {
+std::uint64_t orientation_bits(const Eigen::Quaternionf& orientation) {
   SmallestThree packed;
   const Eigen::Vector4d coefficients = orientation.coeffs().cast<double>();
   const double squared_norm = coefficients.squaredNorm();
@@ -153,9 +147,7 @@ QuantisedOrientation quantise(const Eigen::Quaternionf& orientation) {
   std::uint64_t bits = static_cast<std::uint64_t>(packed.largest);
   for (int k = 0; k < 3; ++k)
     bits |= static_cast<std::uint64_t>(packed.codes[k]) << (2 + k * component_bits);
-  QuantisedOrientation q{};
-  store_bytes<6>(bits, q.data());
-  return q;
+  return bits;
 }
 
 Eigen::Quaternionf dequantise(const QuantisedOrientation& q) {

@@ -162,6 +162,11 @@ void BulletWorld::put_state(BulletBody& body, const BodyState& state) const {
 
 BodyState BulletWorld::state_of(const BulletBody& body) const {
   BodyState state;
+  read(body, state);
+  return state;
+}
+
+void BulletWorld::read(const BulletBody& body, BodyState& state) const {
   state.position = global(body.rigid.getWorldTransform().getOrigin());
   state.orientation = body.orientation;
   if (body.immovable()) {
@@ -173,7 +178,6 @@ BodyState BulletWorld::state_of(const BulletBody& body) const {
   }
   state.activation = from_bullet(body.rigid.getActivationState());
   state.deactivation_time_s = body.rigid.getDeactivationTime();
-  return state;
 }
 
 void BulletWorld::before_solving(btDynamicsWorld* world, btScalar) {
@@ -219,7 +223,11 @@ void fetch(const btRigidBody& body) {
 }  // namespace
 
 void AwakeBodies::note(const BulletWorld& world, const BulletBody& body) {
-  bodies.push_back({body.id, body.prototype, world.state_of(body)});
+  // Written where it is to be: what has just been written in parts cannot be copied at once.
+  NewBody& noted = bodies.emplace_back();
+  noted.id = body.id;
+  noted.prototype = body.prototype;
+  world.read(body, noted.state);
   objects.push_back(&body);
 }
 

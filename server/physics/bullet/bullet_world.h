@@ -44,6 +44,7 @@ class BulletWorld {
   /// Puts `state` into a body, bit for bit; no one else is told.
   void put_state(BulletBody& body, const BodyState& state) const;
   BodyState state_of(const BulletBody& body) const;
+  void read(const BulletBody& body, BodyState& state) const;
 
   void insert(BulletBody& body);
   /// Takes bodies out with their pairs in one pass.
