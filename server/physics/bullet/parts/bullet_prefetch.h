@@ -28,6 +28,13 @@ inline void prefetch_point_count(const btPersistentManifold* manifold) {
   prefetch(reinterpret_cast<const std::byte*>(&manifold->m_companionIdA) - before, before + 1);
 }
 
+/// Its contact points. Their number has to be near already.
+inline void prefetch_points(const btPersistentManifold& manifold) {
+  // Read from behind.
+  const auto count = static_cast<std::size_t>(manifold.getNumContacts());
+  if (count > 0) prefetch(&manifold.getContactPoint(0), count * sizeof(btManifoldPoint));
+}
+
 /// The same, and its first contact point, as good as all of it where there is but one.
 inline void prefetch_manifold(const btPersistentManifold* manifold) {
   prefetch(manifold, 4 * cache_line);
