@@ -28,16 +28,10 @@ inline void prefetch_point_count(const btPersistentManifold* manifold) {
   prefetch(reinterpret_cast<const std::byte*>(&manifold->m_companionIdA) - before, before + 1);
 }
 
-/// Its contact points. Their number has to be near already.
-inline void prefetch_points(const btPersistentManifold& manifold) {
-  // Read from behind.
-  const auto count = static_cast<std::size_t>(manifold.getNumContacts());
-  if (count > 0) prefetch(&manifold.getContactPoint(0), count * sizeof(btManifoldPoint));
-}
-
-/// The same, and its first contact point, as good as all of it where there is but one.
+/// The same, and its first two contact points.
 inline void prefetch_manifold(const btPersistentManifold* manifold) {
-  prefetch(manifold, 4 * cache_line);
+  constexpr std::size_t points_size = 2 * sizeof(btManifoldPoint);
+  prefetch(manifold, sizeof(btTypedObject) + points_size);
   prefetch_point_count(manifold);
 }
 

@@ -70,7 +70,6 @@ void PairOrder::fetch_ahead(const btBroadphasePairArray& pairs, std::size_t n) c
   if (const std::size_t m = n + 3 * ahead; m < count) {
     prefetch(pair(m).m_pProxy0);
     prefetch(pair(m).m_pProxy1);
-    if (order_[m].manifold != nullptr) prefetch_point_count(order_[m].manifold);
   }
   if (const std::size_t m = n + 2 * ahead; m < count) {
     prefetch_object(object_of(pair(m).m_pProxy0));
@@ -79,8 +78,8 @@ void PairOrder::fetch_ahead(const btBroadphasePairArray& pairs, std::size_t n) c
   if (const std::size_t m = n + ahead; m < count) {
     // Nobody looks at the contacts of two who sleep.
     if (!is_awake(pair(m).m_pProxy0) && !is_awake(pair(m).m_pProxy1)) return;
-    prefetch(pair(m).m_algorithm, algorithm_size);
-    if (order_[m].manifold != nullptr) prefetch_points(*order_[m].manifold);
+    if (pair(m).m_algorithm != nullptr) prefetch(pair(m).m_algorithm, algorithm_size);
+    if (order_[m].manifold != nullptr) prefetch_manifold(order_[m].manifold);
   }
 }
 
