@@ -36,9 +36,9 @@ WorldPosition dequantise(const QuantisedPosition& q);
 
 /// "Smallest three": the largest component is left out and has its sign made positive; 15 bits for
 /// each of the others. Source: Glenn Fiedler, "Snapshot Compression", 2015.
-/// What quantise() returns comes back unchanged from quantise(dequantise(q)). A quaternion without a
-/// direction (zero, NaN, infinite) becomes the identity. 47 bits are used. dequantise() takes any bits and returns a
-/// unit quaternion.
+/// Uses 47 bits. What quantise() returns comes back unchanged from quantise(dequantise(q)). A
+/// quaternion without a direction (zero, NaN, infinite) becomes the identity. dequantise() takes
+/// any bits and returns a unit quaternion.
 std::uint64_t orientation_bits(const Eigen::Quaternionf& orientation);
 /// The same in six bytes, the lowest one first. Inline: GCC returns six bytes one by one, and who
 /// reads them at once then has to wait.

@@ -18,8 +18,8 @@ inline void prefetch(const void* p) {
   asm volatile("" : : "r"(p));
 }
 
-/// The same for all lines of the object or array at `p` of `size` bytes, at least one: what is asked
-/// for together is waited for once.
+/// The same for all lines of the object or array at `p` of `size` bytes, at least one: what is
+/// asked for together is waited for once.
 inline void prefetch(const void* p, std::size_t size) {
   const auto* first = static_cast<const std::byte*>(p);
   for (std::size_t at = 0; at < size; at += cache_line) prefetch(first + at);

@@ -28,7 +28,13 @@ inline void prefetch_point_count(const btPersistentManifold* manifold) {
   prefetch(reinterpret_cast<const std::byte*>(&manifold->m_companionIdA) - before, before + 1);
 }
 
-/// The same, and its first two contact points.
+/// Its contact points. Requires that it is there, and its number of points near.
+inline void prefetch_points(const btPersistentManifold& manifold) {
+  const auto count = static_cast<std::size_t>(manifold.getNumContacts());
+  if (count > 0) prefetch(&manifold.getContactPoint(0), count * sizeof(btManifoldPoint));
+}
+
+/// What comes after its points, and its first two points.
 inline void prefetch_manifold(const btPersistentManifold* manifold) {
   constexpr std::size_t points_size = 2 * sizeof(btManifoldPoint);
   prefetch(manifold, sizeof(btTypedObject) + points_size);

@@ -14,9 +14,17 @@ constexpr int ahead = 4;
 void ContactSolver::convertContacts(btPersistentManifold** manifolds, int count,
                                     const btContactSolverInfo& info) {
   for (int n = 0; n < count; ++n) {
-    if (n + ahead < count) prefetch_manifold(manifolds[n + ahead]);
+    if (n + 2 * ahead < count) prefetch_point_count(manifolds[n + 2 * ahead]);
+    if (n + ahead < count) prefetch_points(*manifolds[n + ahead]);
     convertContact(manifolds[n], info);
   }
+}
+
+/// All of an island's at once: Bullet goes through them in one walk.
+void ContactSolver::convertBodies(btCollisionObject** bodies, int count,
+                                  const btContactSolverInfo& info) {
+  for (int n = 0; n < count; ++n) prefetch(bodies[n], sizeof(btRigidBody));
+  btSequentialImpulseConstraintSolver::convertBodies(bodies, count, info);
 }
 
 }  // namespace aureole

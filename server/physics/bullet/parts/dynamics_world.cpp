@@ -33,7 +33,11 @@ void DynamicsWorld::saveKinematicState(btScalar dt_s) {
 void DynamicsWorld::applyGravity() {
   find_awake(awake_);
   steps_ = true;
-  for (btRigidBody* body : awake_) body->applyGravity();
+  for (std::size_t n = 0; n < awake_.size(); ++n) {
+    if (const std::size_t m = n + ahead; m < awake_.size())
+      prefetch(awake_[m], sizeof(btRigidBody));
+    awake_[n]->applyGravity();
+  }
 }
 
 void DynamicsWorld::predictUnconstraintMotion(btScalar dt_s) {
@@ -79,8 +83,11 @@ void DynamicsWorld::updateAabbs() {
 
 void DynamicsWorld::integrateTransforms(btScalar dt_s) {
   find_awake(awake_now_);
-  if (!awake_now_.empty())
-    integrateTransformsInternal(awake_now_.data(), static_cast<int>(awake_now_.size()), dt_s);
+  for (std::size_t n = 0; n < awake_now_.size(); ++n) {
+    if (const std::size_t m = n + ahead; m < awake_now_.size())
+      prefetch(awake_now_[m], sizeof(btRigidBody));
+    integrateTransformsInternal(&awake_now_[n], 1, dt_s);
+  }
 }
 
 /// Bullet asks for it after a step of no time too, which has not found anybody.
