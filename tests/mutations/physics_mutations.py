@@ -25,8 +25,8 @@ MUTATIONS = [
         "woken-stand-still",
         "who has been woken by what it hangs together with is not moved in that step",
         "server/physics/bullet/parts/dynamics_world.cpp",
-        "integrateTransformsInternal(awake_now_.data(), static_cast<int>(awake_now_.size()), dt_s);",
-        "integrateTransformsInternal(awake_.data(), static_cast<int>(awake_.size()), dt_s);",
+        "find_awake(awake_now_);",
+        "awake_now_ = awake_;",
         ((PHYSICS, "What falls onto a heap falls as in Bullet's own world"),),
     ),
 ]
