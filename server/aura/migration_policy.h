@@ -196,7 +196,7 @@ struct ProjectedAura {
 
 struct MigrationDecision {
   /// What must go together may not all be shown. Nothing has been decided: whoever asks shows
-  /// everything, in the same tick, and asks again.
+  /// more, in the same tick, and asks again; everything at the latest.
   bool sees_too_little = false;
   /// Bodies in the largest cluster that is shown, if it was asked for (adaptive).
   std::size_t largest_cluster = 0;

@@ -21,8 +21,8 @@ inline void prefetch_object(const btCollisionObject* object) {
 }
 
 /// What comes after a manifold's contact points: whose it is, how many they are, how far they may
-/// be apart. Bullet 3.24 keeps that in the 32 bytes before this; pools begin 32 bytes into a line,
-/// and then the two are not in the same one.
+/// be apart. Bullet 3.24 keeps that in the 32 bytes before this. Manifolds begin at any multiple of
+/// 16 bytes, and in half of them that is in two lines of memory.
 inline void prefetch_point_count(const btPersistentManifold* manifold) {
   constexpr std::size_t before = 32;
   prefetch(reinterpret_cast<const std::byte*>(&manifold->m_companionIdA) - before, before + 1);
