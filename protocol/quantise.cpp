@@ -6,27 +6,28 @@
 #include <cmath>
 #include <cstring>
 
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 namespace aureole {
 namespace {
 
-constexpr std::int32_t cells_max = (1 << 23) - 1;
 constexpr int component_bits = 15;
 constexpr std::int32_t component_max = (1 << component_bits) - 2;  // even: zero has its own code
 constexpr std::int32_t component_zero = component_max / 2;
 constexpr double component_limit = 0.70710678118654752;  // 1/√2
+/// A sum of squares that is so near to one has its root from one step of Newton's method.
+constexpr double near_one = 1e-6;
+/// Past 2^52 doubles have no digits behind the point: adding so much, and taking it away again,
+/// rounds to the nearest whole number, of two the even one.
+constexpr double no_fractions = 0x1.8p52;
+/// In steps of a component, the square of the unit sphere's radius.
+constexpr double radius_squared = 2.0 * component_zero * component_zero;
 
-/// The nearest whole number, of two the even one, as std::nearbyint() has it, but without a call:
-/// past 2^52 doubles have no digits behind the point. Requires |value| < 2^51.
+/// As std::nearbyint() has it, but without a call. Requires |value| < 2^51.
 double nearest(double value) {
-  constexpr double no_fractions = 0x1.8p52;
   return (value + no_fractions) - no_fractions;
-}
-
-std::int32_t to_cells(double metres) {
-  if (std::isnan(metres)) return 0;
-  const double cells =
-      std::clamp(metres / position_grid_m, -double{cells_max} - 1, double{cells_max});
-  return static_cast<std::int32_t>(nearest(cells));
 }
 
 /// A quaternion in codes, not packed yet.
@@ -63,7 +64,7 @@ int index_of_largest(const Eigen::Vector4f& c) {
 /// 1/√squared for what is positive. Orientations are of length one but for what floats lose; there
 /// one step of Newton's method from one is off by less than 4e-13, and nobody waits for a root.
 double inverse_root(double squared) {
-  return std::abs(squared - 1) < 1e-6 ? 1.5 - 0.5 * squared : 1 / std::sqrt(squared);
+  return std::abs(squared - 1) < near_one ? 1.5 - 0.5 * squared : 1 / std::sqrt(squared);
 }
 
 /// The components that are not left out, in order.
@@ -90,20 +91,108 @@ void make_stable(SmallestThree& q, const std::array<double, 3>& exact) {
   }
 }
 
-}  // namespace
+#ifdef __SSE2__
 
-QuantisedPosition quantise(const WorldPosition& position) {
-  QuantisedPosition q{};
-  const std::int32_t cells[3] = {to_cells(position.x), to_cells(position.y), to_cells(position.z)};
-  // Packed first and then stored: 24 bits each are eight bytes and the last one.
-  const auto bits = [&](int axis) {
-    return std::uint64_t{static_cast<std::uint32_t>(cells[axis]) & 0xffffff};
-  };
-  const std::uint64_t first = bits(0) | bits(1) << 24 | bits(2) << 48;
-  std::memcpy(q.data(), &first, sizeof first);
-  q[8] = static_cast<std::uint8_t>(bits(2) >> 16);
-  return q;
+__m128 choose(__m128 mask, __m128 chosen, __m128 otherwise) {
+  return _mm_or_ps(_mm_and_ps(mask, chosen), _mm_andnot_ps(mask, otherwise));
 }
+
+/// Doubles of four orientations, two in each half.
+struct Four {
+  __m128d first, second;
+
+  static Four of(__m128 floats) {
+    return {_mm_cvtps_pd(floats), _mm_cvtps_pd(_mm_movehl_ps(floats, floats))};
+  }
+  static Four all(double value) { return {_mm_set1_pd(value), _mm_set1_pd(value)}; }
+  friend Four operator+(Four a, Four b) {
+    return {_mm_add_pd(a.first, b.first), _mm_add_pd(a.second, b.second)};
+  }
+  friend Four operator-(Four a, Four b) {
+    return {_mm_sub_pd(a.first, b.first), _mm_sub_pd(a.second, b.second)};
+  }
+  friend Four operator*(Four a, Four b) {
+    return {_mm_mul_pd(a.first, b.first), _mm_mul_pd(a.second, b.second)};
+  }
+  /// Masks of four floats.
+  friend __m128 operator<(Four a, Four b) {
+    return _mm_shuffle_ps(_mm_castpd_ps(_mm_cmplt_pd(a.first, b.first)),
+                          _mm_castpd_ps(_mm_cmplt_pd(a.second, b.second)), 0b10'00'10'00);
+  }
+  /// The lower half of each one's bits.
+  __m128i low_bits() const {
+    return _mm_castps_si128(
+        _mm_shuffle_ps(_mm_castpd_ps(first), _mm_castpd_ps(second), 0b10'00'10'00));
+  }
+};
+
+/// Does what orientation_bits() does, step by step, for those of four that are of length one and
+/// whose largest component no rounding can make smaller than another one: nearly all. One bit for
+/// each that is done.
+unsigned usual_orientation_bits(const std::array<const Eigen::Quaternionf*, 4>& orientations,
+                                std::array<std::uint64_t, 4>& bits) {
+  __m128 c[4];  // One component of all four each.
+  for (std::size_t n = 0; n < 4; ++n) c[n] = _mm_loadu_ps(orientations[n]->coeffs().data());
+  _MM_TRANSPOSE4_PS(c[0], c[1], c[2], c[3]);
+
+  std::array<Four, 4> squared;
+  for (std::size_t i = 0; i < 4; ++i) squared[i] = Four::of(c[i]) * Four::of(c[i]);
+  const Four squared_norm = (squared[0] + squared[1]) + (squared[2] + squared[3]);
+  const Four off = squared_norm - Four::all(1);
+  const __m128 is_unit = _mm_and_ps(off < Four::all(near_one), Four::all(-near_one) < off);
+
+  const __m128 sign = _mm_set1_ps(-0.f);
+  const auto size = [&](std::size_t i) { return _mm_andnot_ps(sign, c[i]); };
+  const __m128 largest_size =
+      _mm_max_ps(_mm_max_ps(size(0), size(1)), _mm_max_ps(size(2), size(3)));
+  // Whether the largest is the first component, among the first two, or among the first three.
+  const __m128 in_1 = _mm_cmpeq_ps(size(0), largest_size);
+  const __m128 in_2 = _mm_or_ps(in_1, _mm_cmpeq_ps(size(1), largest_size));
+  const __m128 in_3 = _mm_or_ps(in_2, _mm_cmpeq_ps(size(2), largest_size));
+  const __m128 largest = choose(in_1, c[0], choose(in_2, c[1], choose(in_3, c[2], c[3])));
+  const __m128 flipped = _mm_and_ps(sign, largest);
+  const __m128 others_of[3] = {choose(in_1, c[1], c[0]), choose(in_2, c[2], c[1]),
+                               choose(in_3, c[3], c[2])};
+
+  const Four scale = (Four::all(1.5) - Four::all(0.5) * squared_norm) *
+                     Four::all(component_zero / component_limit);
+  __m128i codes[3];
+  __m128 squares = _mm_setzero_ps(), second = _mm_setzero_ps();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Four exact = Four::of(_mm_xor_ps(others_of[k], flipped)) * scale;
+    const __m128i rounded = (exact + Four::all(no_fractions)).low_bits();
+    codes[k] = _mm_add_epi32(rounded, _mm_set1_epi32(component_zero));
+    const __m128 steps = _mm_cvtepi32_ps(rounded);
+    squares = _mm_add_ps(squares, _mm_mul_ps(steps, steps));
+    second = _mm_max_ps(second, _mm_andnot_ps(sign, steps));
+  }
+  const __m128 limit = _mm_add_ps(second, _mm_set1_ps(1));
+  const __m128 is_apart =
+      _mm_cmpge_ps(_mm_sub_ps(_mm_set1_ps(radius_squared), squares), _mm_mul_ps(limit, limit));
+
+  // Masks are minus one: three less one for each.
+  const __m128i index =
+      _mm_add_epi32(_mm_add_epi32(_mm_set1_epi32(3), _mm_castps_si128(in_1)),
+                    _mm_add_epi32(_mm_castps_si128(in_2), _mm_castps_si128(in_3)));
+  const __m128i low = _mm_or_si128(
+      index,
+      _mm_or_si128(_mm_slli_epi32(codes[0], 2), _mm_slli_epi32(codes[1], 2 + component_bits)));
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(&bits[0]), _mm_unpacklo_epi32(low, codes[2]));
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(&bits[2]), _mm_unpackhi_epi32(low, codes[2]));
+  return static_cast<unsigned>(_mm_movemask_ps(_mm_and_ps(is_unit, is_apart)));
+}
+
+#else
+
+/// Other processors do all of them one by one.
+unsigned usual_orientation_bits(const std::array<const Eigen::Quaternionf*, 4>&,
+                                std::array<std::uint64_t, 4>&) {
+  return 0;
+}
+
+#endif
+
+}  // namespace
 
 WorldPosition dequantise(const QuantisedPosition& q) {
   double metres[3];
@@ -119,7 +208,8 @@ WorldPosition dequantise(const QuantisedPosition& q) {
 std::uint64_t orientation_bits(const Eigen::Quaternionf& orientation) {
   SmallestThree packed;
   const Eigen::Vector4d coefficients = orientation.coeffs().cast<double>();
-  const double squared_norm = coefficients.squaredNorm();
+  const Eigen::Array4d squared = coefficients.array().square();
+  const double squared_norm = (squared[0] + squared[1]) + (squared[2] + squared[3]);
   if (std::isfinite(squared_norm) && squared_norm > 0) {
     packed.largest = index_of_largest(orientation.coeffs());
     const double scale =
@@ -137,9 +227,8 @@ std::uint64_t orientation_bits(const Eigen::Quaternionf& orientation) {
       squares += rounded * rounded;
       second = std::max(second, std::abs(rounded));
     }
-    // The first condition spares nearly all orientations the second one. In steps the radius of the
-    // unit sphere is √2 × component_zero; one step of distance is far more than floats lose.
-    const double radius_squared = 2.0 * component_zero * component_zero;
+    // The first condition spares nearly all orientations the second one. One step of distance is
+    // far more than floats lose.
     if (radius_squared - squares < (second + 1) * (second + 1) && !is_stable(packed))
       make_stable(packed, exact);
   }
@@ -147,6 +236,15 @@ std::uint64_t orientation_bits(const Eigen::Quaternionf& orientation) {
   std::uint64_t bits = static_cast<std::uint64_t>(packed.largest);
   for (int k = 0; k < 3; ++k)
     bits |= static_cast<std::uint64_t>(packed.codes[k]) << (2 + k * component_bits);
+  return bits;
+}
+
+std::array<std::uint64_t, 4> orientation_bits(
+    const std::array<const Eigen::Quaternionf*, 4>& orientations) {
+  std::array<std::uint64_t, 4> bits{};
+  const unsigned done = usual_orientation_bits(orientations, bits);
+  for (std::size_t n = 0; n < bits.size(); ++n)
+    if ((done >> n & 1) == 0) bits[n] = orientation_bits(*orientations[n]);
   return bits;
 }
 

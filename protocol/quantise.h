@@ -3,10 +3,17 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <tuple>
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
 
 #include "server/base/world_position.h"
 
@@ -31,7 +38,7 @@ using QuantisedPosition = std::array<std::uint8_t, 9>;
 using QuantisedOrientation = std::array<std::uint8_t, 6>;
 
 /// Nearest grid point; positions outside the limits are clamped to them, NaN becomes 0.
-QuantisedPosition quantise(const WorldPosition& position);
+inline QuantisedPosition quantise(const WorldPosition& position);
 WorldPosition dequantise(const QuantisedPosition& q);
 
 /// "Smallest three": the largest component is left out and has its sign made positive; 15 bits for
@@ -40,6 +47,9 @@ WorldPosition dequantise(const QuantisedPosition& q);
 /// quaternion without a direction (zero, NaN, infinite) becomes the identity. dequantise() takes
 /// any bits and returns a unit quaternion.
 std::uint64_t orientation_bits(const Eigen::Quaternionf& orientation);
+/// The same of four at once, which takes hardly longer than of one.
+std::array<std::uint64_t, 4> orientation_bits(
+    const std::array<const Eigen::Quaternionf*, 4>& orientations);
 /// The same in six bytes, the lowest one first. Inline: GCC returns six bytes one by one, and who
 /// reads them at once then has to wait.
 inline QuantisedOrientation quantise(const Eigen::Quaternionf& orientation) {
@@ -50,5 +60,71 @@ inline QuantisedOrientation quantise(const Eigen::Quaternionf& orientation) {
   return q;
 }
 Eigen::Quaternionf dequantise(const QuantisedOrientation& q);
+
+/// The nearest cells along the axes as 24 bits each, with what positions outside the limits and NaN
+/// become as in quantise().
+inline std::array<std::uint64_t, 3> cell_bits(const WorldPosition& position) {
+  constexpr double cells_max = (1 << 23) - 1, cells_min = -cells_max - 1;
+  // Past 2^52 doubles have no digits behind the point: adding so much rounds to the nearest whole
+  // number, of two the even one, and leaves it in the lowest bits.
+  constexpr double no_fractions = 0x1.8p52;
+  std::array<std::uint64_t, 3> bits;
+#ifdef __SSE2__
+  // x and y at once; all poses that a server tells of go through here in every tick.
+  const auto rounded = [&](__m128d metres) {
+    const __m128d cells = _mm_mul_pd(metres, _mm_set1_pd(1 / position_grid_m));
+    const __m128d number = _mm_and_pd(cells, _mm_cmpord_pd(cells, cells));
+    const __m128d inside =
+        _mm_min_pd(_mm_max_pd(number, _mm_set1_pd(cells_min)), _mm_set1_pd(cells_max));
+    return _mm_castpd_si128(_mm_add_pd(inside, _mm_set1_pd(no_fractions)));
+  };
+  const __m128i xy = rounded(_mm_loadu_pd(&position.x)), z = rounded(_mm_load_sd(&position.z));
+  bits = {static_cast<std::uint64_t>(_mm_cvtsi128_si64(xy)),
+          static_cast<std::uint64_t>(_mm_cvtsi128_si64(_mm_unpackhi_epi64(xy, xy))),
+          static_cast<std::uint64_t>(_mm_cvtsi128_si64(z))};
+#else
+  const auto rounded = [&](double metres) {
+    const double cells = std::isnan(metres) ? 0 : metres / position_grid_m;
+    return std::bit_cast<std::uint64_t>(std::clamp(cells, cells_min, cells_max) + no_fractions);
+  };
+  bits = {rounded(position.x), rounded(position.y), rounded(position.z)};
+#endif
+  for (std::uint64_t& axis : bits) axis &= 0xffffff;
+  return bits;
+}
+
+/// A whole pose, held so that two are compared, and one is copied, without going through its bytes.
+class QuantisedPose {
+ public:
+  /// How many bytes it has: those of the position, then those of the orientation.
+  static constexpr std::size_t size =
+      std::tuple_size_v<QuantisedPosition> + std::tuple_size_v<QuantisedOrientation>;
+
+  QuantisedPose() = default;
+  /// `orientation`: from orientation_bits().
+  QuantisedPose(const WorldPosition& position, std::uint64_t orientation) {
+    const auto [x, y, z] = cell_bits(position);
+    low_ = x | y << 24 | z << 48;
+    high_ = z >> 16 | orientation << 8;
+  }
+
+  /// Its bytes 0 to 7, and 8 to 14, the lowest one first.
+  std::uint64_t low() const { return low_; }
+  std::uint64_t high() const { return high_; }
+  friend bool operator==(const QuantisedPose&, const QuantisedPose&) = default;
+
+ private:
+  std::uint64_t low_ = 0, high_ = 0;
+};
+
+inline QuantisedPosition quantise(const WorldPosition& position) {
+  static_assert(std::endian::native == std::endian::little);
+  const QuantisedPose pose(position, 0);
+  QuantisedPosition q;
+  const std::uint64_t low = pose.low();
+  std::memcpy(q.data(), &low, sizeof low);
+  q.back() = static_cast<std::uint8_t>(pose.high());
+  return q;
+}
 
 }  // namespace aureole

@@ -4,8 +4,13 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <type_traits>
 
+#include "protocol/quantise.h"
 #include "protocol/wire.h"
 #include "server/base/world_position.h"
 
@@ -36,6 +41,21 @@ inline constexpr std::uint32_t slot_codes = 1u << 24;
 inline std::array<std::uint8_t, 3> wire_slot(std::uint32_t slot) {
   return {static_cast<std::uint8_t>(slot), static_cast<std::uint8_t>(slot >> 8),
           static_cast<std::uint8_t>(slot >> 16)};
+}
+/// `slot` in its three bytes and `pose` behind it, written as whole words.
+inline wire::ReplicaMotion motion_of(std::uint32_t slot, const QuantisedPose& pose) {
+  static_assert(std::endian::native == std::endian::little);
+  static_assert(sizeof(wire::ReplicaMotion) == 3 + QuantisedPose::size &&
+                std::is_trivially_copyable_v<wire::ReplicaMotion>);
+  const std::uint64_t first = slot | pose.low() << 24;
+  const std::uint64_t second = pose.low() >> 40 | pose.high() << 24;
+  const auto third = static_cast<std::uint16_t>(pose.high() >> 40);
+  wire::ReplicaMotion motion;
+  auto* bytes = reinterpret_cast<std::byte*>(&motion);
+  std::memcpy(bytes, &first, 8);
+  std::memcpy(bytes + 8, &second, 8);
+  std::memcpy(bytes + 16, &third, 2);
+  return motion;
 }
 inline std::uint32_t slot_of(const wire::ReplicaMotion& motion) {
   const std::uint8_t* bytes = motion.slot()->Data();

@@ -76,11 +76,14 @@ void Hosting::bring_in_order() {
   std::sort(out_of_order_.begin(), out_of_order_.end());
   const auto last = std::unique(out_of_order_.begin(), out_of_order_.end());
   out_of_order_.erase(last, out_of_order_.end());
-  auto changed = out_of_order_.begin();
-  std::erase_if(in_order_, [&](const Entry& entry) {
-    while (changed != out_of_order_.end() && *changed < entry.id) ++changed;
-    return changed != out_of_order_.end() && *changed == entry.id;
-  });
+  // Few have changed among many: what lies between two of them moves as one block.
+  auto from = in_order_.begin(), to = from;
+  for (const BodyId id : out_of_order_) {
+    const auto at = std::lower_bound(from, in_order_.end(), id, is_before);
+    to = from == to ? at : std::move(from, at, to);
+    from = at != in_order_.end() && at->id == id ? at + 1 : at;
+  }
+  in_order_.erase(std::move(from, in_order_.end(), to), in_order_.end());
   const auto middle = static_cast<std::ptrdiff_t>(in_order_.size());
   for (BodyId id : out_of_order_)
     if (const auto at = records_.find(id); at != records_.end())
@@ -91,8 +94,8 @@ void Hosting::bring_in_order() {
 
 const Hosting::Entry& Hosting::entry_in_order(BodyId id) {
   // Often the next one; if few are looked at, far ahead.
-  const auto found = leap(in_order_.begin() + static_cast<std::ptrdiff_t>(next_), in_order_.end(),
-                          id, [](const Entry& entry, BodyId key) { return entry.id < key; });
+  const auto found =
+      leap(in_order_.begin() + static_cast<std::ptrdiff_t>(next_), in_order_.end(), id, is_before);
   next_ = static_cast<std::size_t>(found - in_order_.begin());
   AUREOLE_CHECK(next_ < in_order_.size() && in_order_[next_].id == id,
                 "bodies are looked at in the order of their ids");

@@ -110,6 +110,7 @@ class Hosting {
     BodyId id;
     Record* record;
   };
+  static bool is_before(const Entry& entry, BodyId id) { return entry.id < id; }
   bool make_record(BodyId id, const Record& record);
   void erase_record(BodyId id);
   static void tell_history(const Record& record, HostedBody& body);

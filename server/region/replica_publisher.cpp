@@ -7,6 +7,7 @@
 #include "protocol/wire_values.h"
 #include "server/base/check.h"
 #include "server/base/merge_in.h"
+#include "server/base/prefetch.h"
 
 namespace aureole {
 namespace {
@@ -52,28 +53,35 @@ SharedBytes frame_of(flatbuffers::FlatBufferBuilder& builder, Tick now, bool com
                    FrameType::replica_update));
 }
 
+/// Nobody comes before whom one that is due has to be told of.
+constexpr BodyId no_body_before{std::numeric_limits<std::uint64_t>::max()};
+
 }  // namespace
 
 std::uint32_t ReplicaPublisher::take_slot() {
   AUREOLE_CHECK(next_slot_ < slot_codes, "no world has so many bodies");
-  if (free_slots_.empty()) return next_slot_++;
+  if (free_slots_.empty()) {
+    versions_.emplace_back();
+    return next_slot_++;
+  }
   const std::uint32_t slot = free_slots_.back();
   free_slots_.pop_back();
   return slot;
 }
 
 void ReplicaPublisher::body_gained(BodyId id, Version version) {
-  auto [it, fresh] = bodies_.try_emplace(id);
+  const std::uint32_t slot = take_slot();
+  const bool fresh = slots_.emplace(id, slot).second;
   AUREOLE_CHECK(fresh, "a body is published once");
-  it->second = {take_slot(), version};
+  versions_[slot] = version;
   due_.push_back(id);
 }
 
 void ReplicaPublisher::body_lost(BodyId id) {
-  const auto it = bodies_.find(id);
-  AUREOLE_CHECK(it != bodies_.end(), "only published bodies are lost");
-  free_slots_.push_back(it->second.slot);
-  bodies_.erase(it);
+  const auto it = slots_.find(id);
+  AUREOLE_CHECK(it != slots_.end(), "only published bodies are lost");
+  free_slots_.push_back(it->second);
+  slots_.erase(it);
   const auto followed = std::lower_bound(followed_.begin(), followed_.end(), id,
                                          [](const Followed& f, BodyId key) { return f.id < key; });
   if (followed != followed_.end() && followed->id == id) followed->lost = true;
@@ -92,30 +100,25 @@ struct ReplicaPublisher::Round {
   std::vector<Followed> woken{};  ///< To be followed from now on; ascending.
   std::vector<BodyId> still_due{};
   std::vector<wire::ReplicaKey>& keys;
-  std::vector<wire::ReplicaMotion>& motions;
+  std::size_t motions = 0;  ///< How many have been told of.
 };
 
 /// False: there is no room left. More would not fit a frame together with everybody's motion; the
 /// rest comes a tick later.
-bool ReplicaPublisher::send_key(Round& round, const NewBody& body, const Published& as) {
+bool ReplicaPublisher::send_key(Round& round, const NewBody& body, std::uint32_t slot) const {
   if (round.keys.size() >= keys_per_update) return false;
-  round.keys.push_back(make_key(body, as.version, as.slot));
+  round.keys.push_back(make_key(body, versions_[slot], slot));
   return true;
 }
 
-bool ReplicaPublisher::send_key(Round& round, BodyId id) const {
-  return round.keys.size() < keys_per_update &&
-         send_key(round, NewBody{id, round.world.prototype(id), round.world.state(id)},
-                  bodies_.at(id));
+bool ReplicaPublisher::send_key(Round& round, BodyId id, std::uint32_t slot) const {
+  return send_key(round, NewBody{id, round.world.prototype(id), round.world.state(id)}, slot);
 }
 
 /// The next of those followed stays among them. In its place: in nearly every step all of them do,
 /// and a second list would be as much memory again to wait for.
-ReplicaPublisher::Followed& ReplicaPublisher::keep_next(Round& round) {
-  const std::size_t from = round.next_followed++;
-  const std::size_t to = round.kept++;
-  if (from != to) followed_[to] = followed_[from];
-  return followed_[to];
+void ReplicaPublisher::keep_next(Round& round) {
+  followed_[round.kept++] = followed_[round.next_followed++];
 }
 
 /// Tells of those below `before` that have fallen asleep or came asleep.
@@ -130,68 +133,102 @@ void ReplicaPublisher::look_at_sleepers(Round& round, BodyId before) {
             : nullptr;
     const bool due = next_due < due_.size() && due_[next_due] < before;
     if (followed != nullptr && (!due || followed->id < due_[next_due])) {
-      if (send_key(round, followed->id))
+      if (send_key(round, followed->id, followed->slot))
         ++next_followed;
       else
         keep_next(round);
     } else if (due) {
       const BodyId id = due_[next_due++];
       // It may have gone before anybody was told that it came.
-      if (bodies_.contains(id) && !send_key(round, id)) round.still_due.push_back(id);
+      const auto known = slots_.find(id);
+      if (known != slots_.end() && !send_key(round, id, known->second))
+        round.still_due.push_back(id);
     } else {
       return;
     }
   }
 }
 
-/// A body that is awake, and known to be.
-void ReplicaPublisher::follow(Round& round, const NewBody& body, Followed& followed) {
-  const auto position = quantise(body.state.position);
-  const auto orientation = quantise(body.state.orientation);
-  if ((round.now.value + followed.as.slot) % key_interval_ticks == 0) {
-    if (!send_key(round, body, followed.as)) return;
-  } else if (position != followed.position || orientation != followed.orientation) {
-    const std::array<std::uint8_t, 3> slot = wire_slot(followed.as.slot);
-    flatbuffers::span<const std::uint8_t, 3> s(slot.data(), 3);
-    flatbuffers::span<const std::uint8_t, 9> p(position.data(), 9);
-    flatbuffers::span<const std::uint8_t, 6> q(orientation.data(), 6);
-    round.motions.emplace_back(s, p, q);
+/// Four at a time. What they are compared with, and where motions go, comes near meanwhile.
+void ReplicaPublisher::quantise_awake(std::span<const NewBody> awake) {
+  poses_.resize(awake.size());
+  motions_.resize(std::max(motions_.size(), awake.size() + 1));
+  constexpr std::size_t at_once = 4;
+  for (std::size_t n = 0; n < awake.size(); n += at_once) {
+    if (n < followed_.size()) prefetch(&followed_[n], at_once * sizeof(Followed));
+    prefetch(&motions_[n], at_once * sizeof(wire::ReplicaMotion));
+    std::array<const Eigen::Quaternionf*, at_once> orientations;
+    for (std::size_t k = 0; k < at_once; ++k)
+      orientations[k] = &awake[std::min(n + k, awake.size() - 1)].state.orientation;
+    const std::array<std::uint64_t, at_once> bits = orientation_bits(orientations);
+    for (std::size_t k = 0; k < at_once && n + k < awake.size(); ++k)
+      poses_[n + k] = QuantisedPose(awake[n + k].state.position, bits[k]);
   }
-  followed.position = position;
-  followed.orientation = orientation;
+}
+
+/// Those of `awake` from `first` on that are followed, one after the other, up to the first that
+/// is not, or that somebody who sleeps may come before: the place of that one. Nearly all are.
+std::size_t ReplicaPublisher::follow_from(Round& round, std::span<const NewBody> awake,
+                                          std::size_t first) {
+  const BodyId due = round.next_due < due_.size() ? due_[round.next_due] : no_body_before;
+  const std::size_t most = std::min(awake.size() - first, followed_.size() - round.next_followed);
+  const QuantisedPose* const poses = &poses_[first];
+  const Followed* const from = followed_.data() + round.next_followed;
+  Followed* const to = followed_.data() + round.kept;
+  wire::ReplicaMotion* motion = motions_.data() + round.motions;
+  std::size_t n = 0;
+  for (; n < most; ++n) {
+    const BodyId id = awake[first + n].id;
+    Followed followed = from[n];
+    if (followed.id != id || followed.lost || due < id) break;
+    if ((round.now.value + followed.slot) % key_interval_ticks == 0) {
+      // Without room for it gateways are to hear of this pose later.
+      if (send_key(round, awake[first + n], followed.slot)) followed.pose = poses[n];
+    } else {
+      // Whether it has moved as far as a cell nobody can foretell: written, and kept if it has.
+      *motion = motion_of(followed.slot, poses[n]);
+      motion += poses[n] != followed.pose ? 1 : 0;
+      followed.pose = poses[n];
+    }
+    to[n] = followed;
+  }
+  round.motions = static_cast<std::size_t>(motion - motions_.data());
+  round.next_followed += n;
+  round.kept += n;
+  return first + n;
+}
+
+/// One that is awake and was not: it is new, or has woken up.
+void ReplicaPublisher::greet(Round& round, const NewBody& body, const QuantisedPose& pose) {
+  const bool due = round.next_due < due_.size() && due_[round.next_due] == body.id;
+  if (due) ++round.next_due;
+  const std::uint32_t slot = slots_.at(body.id);
+  if (send_key(round, body, slot))
+    round.woken.push_back({body.id, slot, false, pose});
+  else if (due)
+    round.still_due.push_back(body.id);
 }
 
 SharedBytes ReplicaPublisher::update(Tick now, const PhysicsWorld& world,
                                      std::span<const Avatar* const> avatars) {
   keys_.clear();
-  motions_.clear();
-  Round round{.now = now, .world = world, .keys = keys_, .motions = motions_};
-  std::size_t& next_followed = round.next_followed;
-  std::size_t& next_due = round.next_due;
+  Round round{.now = now, .world = world, .keys = keys_};
   std::sort(due_.begin(), due_.end());
   due_.erase(std::unique(due_.begin(), due_.end()), due_.end());
-  for (const NewBody& body : world.awake()) {
-    const auto is_followed = [&] {
-      return next_followed < followed_.size() && followed_[next_followed].id == body.id &&
-             !followed_[next_followed].lost;
-    };
-    // Seldom is anybody between one who is awake and the next.
-    if (!is_followed() || next_due < due_.size()) look_at_sleepers(round, body.id);
-    if (is_followed()) {
-      follow(round, body, keep_next(round));
-      continue;
+  const std::span<const NewBody> awake = world.awake();
+  quantise_awake(awake);
+  for (std::size_t n = 0; n < awake.size();) {
+    n = follow_from(round, awake, n);
+    if (n == awake.size()) break;
+    look_at_sleepers(round, awake[n].id);
+    const bool is_followed = round.next_followed < followed_.size() &&
+                             followed_[round.next_followed].id == awake[n].id;
+    if (!is_followed) {
+      greet(round, awake[n], poses_[n]);
+      ++n;
     }
-    const bool due = next_due < due_.size() && due_[next_due] == body.id;
-    if (due) ++next_due;
-    // It is new, or it has woken up: then it is in neither list.
-    const Published& as = bodies_.at(body.id);
-    if (send_key(round, body, as))
-      round.woken.push_back({body.id, as, false, quantise(body.state.position),
-                             quantise(body.state.orientation)});
-    else if (due)
-      round.still_due.push_back(body.id);
   }
-  look_at_sleepers(round, BodyId{std::numeric_limits<std::uint64_t>::max()});
+  look_at_sleepers(round, no_body_before);
   followed_.erase(followed_.begin() + static_cast<std::ptrdiff_t>(round.kept), followed_.end());
   followed_.insert(followed_.end(), round.woken.begin(), round.woken.end());
   merge_in(followed_, static_cast<std::ptrdiff_t>(round.kept),
@@ -211,7 +248,7 @@ SharedBytes ReplicaPublisher::update(Tick now, const PhysicsWorld& world,
     now_known.emplace(a->player, sent);
   }
   players_ = std::move(now_known);
-  return frame_of(builder_, now, true, keys_, motions_, removed, players);
+  return frame_of(builder_, now, true, keys_, std::span(motions_).first(round.motions), removed, players);
 }
 
 std::vector<SharedBytes> ReplicaPublisher::whole_state(Tick now, const PhysicsWorld& world,
@@ -219,9 +256,8 @@ std::vector<SharedBytes> ReplicaPublisher::whole_state(Tick now, const PhysicsWo
                                                        std::span<const Avatar* const> avatars) {
   std::vector<wire::ReplicaKey> keys;
   for (BodyId id : world.ids()) {
-    const Published& published = bodies_.at(id);
-    keys.push_back(
-        make_key({id, world.prototype(id), world.state(id)}, published.version, published.slot));
+    const std::uint32_t slot = slots_.at(id);
+    keys.push_back(make_key({id, world.prototype(id), world.state(id)}, versions_[slot], slot));
   }
   // Copies in flight get slots that no motion will ever name.
   std::uint32_t spare = next_slot_;

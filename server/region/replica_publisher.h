@@ -55,30 +55,29 @@ class ReplicaPublisher {
                                        std::span<const Avatar* const> avatars);
 
   /// Slots in use (tests, metrics).
-  std::size_t size() const { return bodies_.size(); }
+  std::size_t size() const { return slots_.size(); }
 
  private:
-  struct Published {
-    std::uint32_t slot = 0;
-    Version version;
-  };
-  /// A body that gateways take for awake, and the pose they have of it.
+  /// A body that gateways take for awake, and the pose they have of it. Small: every one of them is
+  /// fetched anew in every step.
   struct Followed {
     BodyId id;
-    Published as;
-    bool lost = false;  ///< It is here no longer, or under another slot.
-    QuantisedPosition position{};
-    QuantisedOrientation orientation{};
+    std::uint32_t slot;
+    bool lost;  ///< It is here no longer, or under another slot.
+    QuantisedPose pose;
   };
   std::uint32_t take_slot();
   struct Round;  ///< One update in work.
-  Followed& keep_next(Round& round);
+  void keep_next(Round& round);
   void look_at_sleepers(Round& round, BodyId before);
-  static void follow(Round& round, const NewBody& body, Followed& followed);
-  static bool send_key(Round& round, const NewBody& body, const Published& as);
-  bool send_key(Round& round, BodyId id) const;
+  void quantise_awake(std::span<const NewBody> awake);
+  std::size_t follow_from(Round& round, std::span<const NewBody> awake, std::size_t first);
+  void greet(Round& round, const NewBody& body, const QuantisedPose& pose);
+  bool send_key(Round& round, const NewBody& body, std::uint32_t slot) const;
+  bool send_key(Round& round, BodyId id, std::uint32_t slot) const;
 
-  std::unordered_map<BodyId, Published> bodies_;
+  std::unordered_map<BodyId, std::uint32_t> slots_;
+  std::vector<Version> versions_;  ///< By slot.
   // Walked side by side with the bodies that are awake: all three ascend, and what sleeps and is
   // known to sleep is in none of them.
   std::vector<Followed> followed_;
@@ -95,8 +94,9 @@ class ReplicaPublisher {
   };
   std::unordered_map<PlayerId, PlayerSent> players_;
   // Kept from update to update for their memory.
+  std::vector<QuantisedPose> poses_;  ///< Of those who are awake.
   std::vector<wire::ReplicaKey> keys_;
-  std::vector<wire::ReplicaMotion> motions_;
+  std::vector<wire::ReplicaMotion> motions_;  ///< One more than there can be.
   flatbuffers::FlatBufferBuilder builder_;
 };
 

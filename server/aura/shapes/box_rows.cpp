@@ -10,23 +10,10 @@
 namespace aureole {
 namespace {
 
-/// Farther than 32 km from the origin rows are one.
-constexpr float farthest_row = 8192;
-
 /// Where a box begins that has been erased: nothing is so far away.
 constexpr float erased = std::numeric_limits<float>::infinity();
 
 }  // namespace
-
-std::int32_t BoxRows::row_of(float z) {
-  const float rows = z * static_cast<float>(1 / row_m);
-  // Written so that what is not a number lands somewhere, too.
-  if (!(rows > -farthest_row)) return static_cast<std::int32_t>(-farthest_row);
-  const float near = std::min(rows, farthest_row);
-  // The same as std::floor, without its call.
-  const auto whole = static_cast<std::int32_t>(near);
-  return whole - (static_cast<float>(whole) > near ? 1 : 0);
-}
 
 void BoxRows::clear() {
   entries_.clear();
@@ -34,6 +21,7 @@ void BoxRows::clear() {
   large_.clear();
   rows_.clear();
   erased_.clear();
+  all_ = {};
 }
 
 void BoxRows::insert(Number number, const AuraBox& box) {
@@ -121,12 +109,20 @@ void BoxRows::renew_rows() {
     for (std::size_t behind = at + 1; behind < rows_.size(); ++behind) rows_[behind].begin += more;
   }
   // Rows that nobody is left in are left out at the ends.
-  if (rows_.front().is_empty() || rows_[rows_.size() - 2].is_empty()) {
+  if (rows_.front().extent.is_empty() || rows_[rows_.size() - 2].extent.is_empty()) {
     count_rows(entries_);
     return;
   }
+  sum_up_rows();
+}
+
+void BoxRows::sum_up_rows() {
   deepest_m_ = 0;
-  for (const Row& row : rows_) deepest_m_ = std::max(deepest_m_, row.deepest_m);
+  all_ = {};
+  for (const Row& row : rows_) {
+    deepest_m_ = std::max(deepest_m_, row.deepest_m);
+    all_.take_in(row.extent);
+  }
 }
 
 void BoxRows::build(std::span<const AuraBox> boxes) {
@@ -136,26 +132,32 @@ void BoxRows::build(std::span<const AuraBox> boxes) {
   if (fresh_.empty()) return;
   // Into their rows first: what is left to sort is short.
   entries_.resize(fresh_.size());
-  next_.clear();
-  for (const Row& row : rows_) next_.push_back(row.begin);
+  next_.resize(rows_.size());
+  for (std::size_t row = 0; row < rows_.size(); ++row) next_[row] = rows_[row].begin;
   for (const Entry& entry : fresh_)
     entries_[next_[static_cast<std::size_t>(entry.row - first_row_)]++] = entry;
   fresh_.clear();
   for (std::size_t row = 0; row + 1 < rows_.size(); ++row)
-    std::sort(entries_.begin() + rows_[row].begin, entries_.begin() + next_[row], IsBefore{});
+    if (next_[row] - rows_[row].begin > 1)
+      std::sort(entries_.begin() + rows_[row].begin, entries_.begin() + next_[row], IsBefore{});
+}
+
+void BoxRows::Extent::take_in(const Extent& other) {
+  low_x = std::min(low_x, other.low_x);
+  high_x = std::max(high_x, other.high_x);
+  low_z = std::min(low_z, other.low_z);
+  high_z = std::max(high_z, other.high_z);
 }
 
 void BoxRows::Row::take_in(const RoughBox& box) {
   widest_m = std::max(widest_m, box.high[0] - box.low[0]);
   deepest_m = std::max(deepest_m, box.high[2] - box.low[2]);
-  low_x = std::min(low_x, box.low[0]);
-  high_x = std::max(high_x, box.high[0]);
-  high_z = std::max(high_z, box.high[2]);
+  extent.take_in({box.low[0], box.high[0], box.low[2], box.high[2]});
 }
 
 void BoxRows::count_rows(std::span<const Entry> entries) {
-  deepest_m_ = 0;
   rows_.clear();
+  sum_up_rows();
   if (entries.empty()) return;
   std::int32_t last_row = first_row_ = entries.front().row;
   for (const Entry& entry : entries) {
@@ -166,10 +168,10 @@ void BoxRows::count_rows(std::span<const Entry> entries) {
   for (const Entry& entry : entries) {
     const auto number = static_cast<std::size_t>(entry.row - first_row_);
     rows_[number].take_in(entry.box);
-    deepest_m_ = std::max(deepest_m_, rows_[number].deepest_m);
     ++rows_[number + 1].begin;
   }
   for (std::size_t row = 1; row < rows_.size(); ++row) rows_[row].begin += rows_[row - 1].begin;
+  sum_up_rows();
 }
 
 }  // namespace aureole

@@ -58,18 +58,7 @@ class BoxRows {
   template <class Found>
   void find_each(const RoughBox& asked, Found&& found) const {
     const BoxQuestion question(asked);
-    const auto rows = static_cast<std::int32_t>(rows_.size()) - 1;
-    const std::int32_t first = std::max(row_of(asked.low[2] - deepest_m_) - first_row_, 0);
-    const std::int32_t last = std::min(row_of(asked.high[2]) - first_row_, rows - 1);
-    for (std::int32_t number = first; number <= last; ++number) {
-      const Row& row = rows_[static_cast<std::size_t>(number)];
-      if (row.low_x > asked.high[0] || row.high_x < asked.low[0] || row.high_z < asked.low[2])
-        continue;
-      const Entry* at = entries_.data() + row.begin;
-      const Entry* end = entries_.data() + rows_[static_cast<std::size_t>(number) + 1].begin;
-      if (end - at > long_row) at += first_from(at, end - at, asked.low[0] - row.widest_m);
-      look_through(at, end, asked, question, found);
-    }
+    if (all_.may_meet(asked)) find_in_rows(asked, question, found);
     for (const Entry& entry : large_)
       if (question.met_by(entry.box))
         found(hit_of(entry, std::numeric_limits<std::int32_t>::max()));
@@ -81,6 +70,17 @@ class BoxRows {
     Number number;
     RoughBox box;
   };
+  /// How far boxes reach; nothing overlaps no boxes.
+  struct Extent {
+    static constexpr float nowhere = std::numeric_limits<float>::infinity();
+    float low_x = nowhere, high_x = -nowhere, low_z = nowhere, high_z = -nowhere;
+    bool is_empty() const { return low_x == nowhere; }
+    bool may_meet(const RoughBox& box) const {
+      return low_x <= box.high[0] && high_x >= box.low[0] && low_z <= box.high[2] &&
+             high_z >= box.low[2];
+    }
+    void take_in(const Extent& other);
+  };
   struct IsBefore {
     bool operator()(const Entry& a, const Entry& b) const {
       if (a.row != b.row) return a.row < b.row;
@@ -88,6 +88,20 @@ class BoxRows {
       return a.number < b.number;
     }
   };
+  template <class Found>
+  void find_in_rows(const RoughBox& asked, const BoxQuestion& question, Found&& found) const {
+    const auto rows = static_cast<std::int32_t>(rows_.size()) - 1;
+    const std::int32_t first = std::max(row_of(asked.low[2] - deepest_m_) - first_row_, 0);
+    const std::int32_t last = std::min(row_of(asked.high[2]) - first_row_, rows - 1);
+    for (std::int32_t number = first; number <= last; ++number) {
+      const Row& row = rows_[static_cast<std::size_t>(number)];
+      if (!row.extent.may_meet(asked)) continue;
+      const Entry* at = entries_.data() + row.begin;
+      const Entry* end = entries_.data() + rows_[static_cast<std::size_t>(number) + 1].begin;
+      if (end - at > long_row) at += first_from(at, end - at, asked.low[0] - row.widest_m);
+      look_through(at, end, asked, question, found);
+    }
+  }
   /// How many of them begin before x: std::lower_bound() without branches that nobody can foretell.
   static std::ptrdiff_t first_from(const Entry* entries, std::ptrdiff_t count, float x) {
     const Entry* at = entries;
@@ -102,7 +116,16 @@ class BoxRows {
   void drop_erased();
   void take_in_fresh();
   void renew_rows();
-  static std::int32_t row_of(float z);
+  void sum_up_rows();
+  static std::int32_t row_of(float z) {
+    // Farther than 32 km from the origin rows are one. Written so that what is not a number lands
+    // somewhere, too.
+    constexpr float farthest = 8192;
+    const float rows = std::min(std::max(-farthest, z * static_cast<float>(1 / row_m)), farthest);
+    // The same as std::floor, without its call.
+    const auto whole = static_cast<std::int32_t>(rows);
+    return whole - (static_cast<float>(whole) > rows ? 1 : 0);
+  }
   static Hit hit_of(const Entry& entry, std::int32_t row) {
     return {entry.number, {row, entry.box.low[0]}, entry.box};
   }
@@ -131,14 +154,12 @@ class BoxRows {
   std::vector<Entry> large_;         ///< Kept apart.
   std::vector<std::size_t> erased_;  ///< Places in `entries_` that are, since settle().
   struct Row {
-    static constexpr float nowhere = std::numeric_limits<float>::infinity();
     std::uint32_t begin = 0;
     float widest_m = 0, deepest_m = 0;  ///< Of its boxes.
-    /// Around its boxes; nothing overlaps an empty one.
-    float low_x = nowhere, high_x = -nowhere, high_z = -nowhere;
-    bool is_empty() const { return low_x == nowhere; }
+    Extent extent;                      ///< The same.
     void take_in(const RoughBox& box);
   };
+  Extent all_;  ///< Of all in rows: many questions are about what is far from all of them.
   float deepest_m_ = 0;
   std::int32_t first_row_ = 0;
   std::vector<Row> rows_;  ///< From the first one on; one more begins where the last ends.

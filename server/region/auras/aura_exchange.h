@@ -124,8 +124,8 @@ class AuraExchange {
     std::vector<RemoteAura> theirs;         ///< What we know of the peer; ascending.
     std::vector<BodyId> their_slots;        ///< Whom the peer means by each slot.
     std::vector<HandoverRequest> pulls;     ///< Of the newest message, until take_in().
-    std::vector<Wanted> wanted;             ///< Only used within announce(); kept for its memory.
-    std::vector<Projection> projected_now;  ///< The same.
+    std::vector<Wanted> wanted;              ///< Only used within announce(); kept for its memory.
+    std::vector<Projection> projected_anew;  ///< The same.
     SharedBytes frame;
   };
   /// What goes into a frame.

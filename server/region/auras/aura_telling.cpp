@@ -5,6 +5,7 @@
 
 #include "protocol/wire_values.h"
 #include "server/base/check.h"
+#include "server/base/merge_in.h"
 #include "server/region/auras/aura_exchange.h"
 #include "server/region/auras/aura_wire.h"
 #include "server/region/handoff/handoff.h"
@@ -98,22 +99,33 @@ SharedBytes AuraExchange::frame_for(Peer& peer, const std::vector<HandoverReques
                                     const AuraBodies& bodies) {
   Message& message = message_;
   message.clear();
-  std::vector<Projection>& projected = peer.projected_now;
-  projected.clear();
-  auto before = peer.projected.begin();
+  // In their places: most of what a peer knows it is to know now as well.
+  std::vector<Projection>& projected = peer.projected;
+  std::vector<Projection>& fresh = peer.projected_anew;
+  fresh.clear();
+  std::size_t before = 0, kept = 0;
   const auto withdraw = [&](const Projection& gone) {
     (bodies.was_handed_over(gone.id) ? message.handed_over : message.removed)
         .push_back(gone.id.value);
     if (gone.slot != no_slot) peer.free_slots.push_back(gone.slot);
   };
   for (const Wanted& wanted : peer.wanted) {
-    while (before != peer.projected.end() && before->id < wanted.id) withdraw(*before++);
-    const bool known = before != peer.projected.end() && before->id == wanted.id;
-    projected.push_back(known ? *before++ : Projection{wanted.id, {}, no_slot, false, {}, {}});
-    tell(peer, wanted, projected.back(), known, bodies, message);
+    while (before < projected.size() && projected[before].id < wanted.id)
+      withdraw(projected[before++]);
+    if (before < projected.size() && projected[before].id == wanted.id) {
+      if (kept != before) projected[kept] = projected[before];
+      ++before;
+      tell(peer, wanted, projected[kept++], true, bodies, message);
+    } else {
+      fresh.emplace_back().id = wanted.id;
+      tell(peer, wanted, fresh.back(), false, bodies, message);
+    }
   }
-  while (before != peer.projected.end()) withdraw(*before++);
-  peer.projected.swap(projected);
+  while (before < projected.size()) withdraw(projected[before++]);
+  const auto middle = static_cast<std::ptrdiff_t>(kept);
+  projected.erase(projected.begin() + middle, projected.end());
+  projected.insert(projected.end(), fresh.begin(), fresh.end());
+  merge_in(projected, middle, [](const Projection& a, const Projection& b) { return a.id < b.id; });
   if (peer.greeted && message.empty() && pulls.empty()) return nullptr;
   peer.greeted = true;
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "server/aura/adaptive/outlook/aura_size.h"
 
@@ -55,20 +56,25 @@ void HostedBodies::keep_sleepers(Hosting& hosting, std::span<const BodyId> chang
     sleepers_.take(id);
     if (hosting.hosts(id) && hosting.physics().is_asleep(id)) lay_down(hosting, id);
   }
-  awake_now_.clear();
-  auto before = awake_.begin();
-  const auto fallen_asleep = [&](BodyId id) {
-    if (hosting.hosts(id) && !sleepers_.place_of(id)) lay_down(hosting, id);
-  };
-  for (const NewBody& body : hosting.physics().awake()) {
-    awake_now_.push_back(body.id);
-    while (before != awake_.end() && *before < body.id) fallen_asleep(*before++);
-    if (before != awake_.end() && *before == body.id)
-      ++before;
-    else if (sleepers_.take(body.id))
-      hosting.wake_up(body.id);
+  const std::span<const NewBody> awake = hosting.physics().awake();
+  awake_now_.resize(awake.size());
+  std::transform(awake.begin(), awake.end(), awake_now_.begin(),
+                 [](const NewBody& body) { return body.id; });
+  auto now = awake_now_.begin(), before = awake_.begin();
+  while (true) {
+    // Most that were awake are: from one that is not in both lists to the next.
+    std::tie(now, before) = std::mismatch(now, awake_now_.end(), before, awake_.end());
+    if (before != awake_.end() && (now == awake_now_.end() || *before < *now)) {
+      const BodyId fallen_asleep = *before++;
+      if (hosting.hosts(fallen_asleep) && !sleepers_.place_of(fallen_asleep))
+        lay_down(hosting, fallen_asleep);
+    } else if (now != awake_now_.end()) {
+      const BodyId woken = *now++;
+      if (sleepers_.take(woken)) hosting.wake_up(woken);
+    } else {
+      break;
+    }
   }
-  while (before != awake_.end()) fallen_asleep(*before++);
   awake_.swap(awake_now_);
   sleepers_.settle();
 }
@@ -101,13 +107,14 @@ void HostedBodies::find_shown(Hosting& hosting, const Look& look) {
     const auto place = sleepers_.place_of(id);
     if (place && (shows_all_ || strip_.holds(sleepers_.body(*place).position))) expect(id, sleeps);
   };
+  auto asked_for = look.asked_for.begin();
   const std::span<const NewBody> awake = hosting.physics().awake();
   for (std::size_t n = 0; n < awake.size(); ++n) {
     const BodyId id = awake[n].id;
     while (stirred != look.stirred.end() && *stirred < id) expect_sleeper(*stirred++);
-    if (shows_all_ || strip_.holds(awake[n].state.position) ||
-        std::binary_search(look.asked_for.begin(), look.asked_for.end(), id))
-      expect(id, n);
+    while (asked_for != look.asked_for.end() && *asked_for < id) ++asked_for;
+    const bool is_asked_for = asked_for != look.asked_for.end() && *asked_for == id;
+    if (shows_all_ || is_asked_for || strip_.holds(awake[n].state.position)) expect(id, n);
   }
   while (stirred != look.stirred.end()) expect_sleeper(*stirred++);
 }

@@ -9,6 +9,7 @@
 #include <optional>
 #include <random>
 
+#include "protocol/wire_values.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;
@@ -230,6 +231,72 @@ TEST_CASE("The length of a quaternion does not matter, and one without direction
   CHECK(quantise(Eigen::Quaternionf(0, 0, 0, 0)) == identity);
   CHECK(quantise(Eigen::Quaternionf(1, nan_f, 0, 0)) == identity);
   CHECK(quantise(Eigen::Quaternionf(1, 0, static_cast<float>(inf_d), 0)) == identity);
+}
+
+TEST_CASE("Four orientations at once have the codes that each has by itself") {
+  std::mt19937_64 random(5);
+  std::normal_distribution<float> normal;
+  const auto any = [&] {
+    return Eigen::Vector4f(normal(random), normal(random), normal(random), normal(random));
+  };
+  const float near = 5e-5f;
+  const auto make = [&](int n) -> Eigen::Quaternionf {
+    Eigen::Vector4f c = any().normalized();
+    switch (n % 8) {
+      case 0:
+        c = Eigen::Vector4f(0.5f, -0.5f, 0.5f, 0.5f) + near * any();
+        break;
+      case 1:
+        c = Eigen::Vector4f(0.70710678f, 0, 0, 0.70710678f) + near * any();
+        break;
+      case 2:
+        c = Eigen::Vector4f(0, -0.70710678f, 0.70710678f, 0);
+        break;
+      case 3:
+        c *= 1 + 1e-6f * normal(random);
+        break;
+      case 4:
+        c *= 3;
+        break;
+      case 5:
+        c[static_cast<int>(random() % 4)] = random() % 2 ? nan_f : static_cast<float>(inf_d);
+        break;
+      default:
+        break;
+    }
+    return Eigen::Quaternionf(c);
+  };
+  for (int round = 0; round < 100'000; ++round) {
+    std::array<Eigen::Quaternionf, 4> four;
+    // All of one kind, and all kinds beside each other.
+    for (auto& q : four) q = make(round % 9 < 8 ? round % 9 : static_cast<int>(random() % 8));
+    const auto bits = orientation_bits({&four[0], &four[1], &four[2], &four[3]});
+    for (std::size_t n = 0; n < 4; ++n)
+      if (bits[n] != orientation_bits(four[n]))
+        FAIL("the code of " << four[n].coeffs() << " differs");
+  }
+}
+
+TEST_CASE("A motion is its slot, its position and its orientation, the lowest byte of each first") {
+  std::mt19937_64 random(6);
+  std::normal_distribution<float> normal;
+  std::uniform_real_distribution<double> anywhere(-8191.9, 8191.9);
+  for (int n = 0; n < 1000; ++n) {
+    const WorldPosition at{anywhere(random), anywhere(random), anywhere(random)};
+    const Eigen::Quaternionf turned =
+        Eigen::Quaternionf(
+            Eigen::Vector4f(normal(random), normal(random), normal(random), normal(random)))
+            .normalized();
+    const auto slot = static_cast<std::uint32_t>(random() % (1 << 24));
+    const wire::ReplicaMotion motion = motion_of(slot, {at, orientation_bits(turned)});
+    REQUIRE(slot_of(motion) == slot);
+    QuantisedPosition p;
+    QuantisedOrientation o;
+    std::copy(motion.position()->begin(), motion.position()->end(), p.begin());
+    std::copy(motion.orientation()->begin(), motion.orientation()->end(), o.begin());
+    REQUIRE(p == quantise(at));
+    REQUIRE(o == quantise(turned));
+  }
 }
 
 TEST_CASE("Any bits are a position inside the world and a unit quaternion") {
