@@ -1,6 +1,7 @@
 // Bringing memory nearer before it is needed.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -24,6 +25,14 @@ inline void prefetch(const void* p, std::size_t size) {
   const auto* first = static_cast<const std::byte*>(p);
   for (std::size_t at = 0; at < size; at += cache_line) prefetch(first + at);
   prefetch(first + size - 1);
+}
+
+/// The same for the first lines of a list that will be gone through from its beginning: the rest
+/// the processor fetches by itself as soon as it has seen where the walk goes.
+template <class List>
+void prefetch_beginning(const List& list) {
+  constexpr std::size_t most = 8 * cache_line;
+  if (!list.empty()) prefetch(list.data(), std::min(list.size() * sizeof(list[0]), most));
 }
 
 /// What lies behind pointers is brought nearer step by step: each needs what the one before has

@@ -176,12 +176,17 @@ std::size_t ReplicaPublisher::follow_from(Round& round, std::span<const NewBody>
   const Followed* const from = followed_.data() + round.next_followed;
   Followed* const to = followed_.data() + round.kept;
   wire::ReplicaMotion* motion = motions_.data() + round.motions;
+  const auto key_is_due = [&](const Followed& of) {
+    return (round.now.value + of.slot) % key_interval_ticks == 0;
+  };
+  constexpr std::size_t ahead = 8;
   std::size_t n = 0;
   for (; n < most; ++n) {
+    if (n + ahead < most && key_is_due(from[n + ahead])) prefetch(&versions_[from[n + ahead].slot]);
     const BodyId id = awake[first + n].id;
     Followed followed = from[n];
     if (followed.id != id || followed.lost || due < id) break;
-    if ((round.now.value + followed.slot) % key_interval_ticks == 0) {
+    if (key_is_due(followed)) {
       // Without room for it gateways are to hear of this pose later.
       if (send_key(round, awake[first + n], followed.slot)) followed.pose = poses[n];
     } else {

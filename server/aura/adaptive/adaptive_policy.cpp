@@ -189,7 +189,7 @@ class AdaptivePolicy final : public MigrationPolicy {
       ProjectedAura& aura = decision.projected.emplace_back();
       aura.id = outlook_.body(i).id;
       aura.room = outlook_.aura(i);
-      aura.asleep = outlook_.body(i).asleep;
+      aura.asleep = outlook_.stage().is_asleep(i);
       aura.resting = outlook_.rests(i);
       aura.speed_mps = outlook_.expected_mps(i);
       if (!visitors.empty()) aura.company = contests_.company_of(i);

@@ -90,19 +90,16 @@ void BoxRows::renew_rows() {
   };
   if (changed_rows_.size() > rows_.size() / 4 ||
       std::any_of(changed_rows_.begin(), changed_rows_.end(), is_outside)) {
-    count_rows(entries_);
+    count_rows();
     return;
   }
   std::sort(changed_rows_.begin(), changed_rows_.end());
   changed_rows_.erase(std::unique(changed_rows_.begin(), changed_rows_.end()), changed_rows_.end());
   for (const std::int32_t number : changed_rows_) {
     const auto at = static_cast<std::size_t>(number - first_row_);
-    Row renewed;
-    renewed.begin = rows_[at].begin;
-    std::uint32_t end = renewed.begin;
-    for (; end < entries_.size() && entries_[end].row == number; ++end)
-      renewed.take_in(entries_[end].box);
-    rows_[at] = renewed;
+    std::uint32_t end = rows_[at].begin;
+    while (end < entries_.size() && entries_[end].row == number) ++end;
+    renew_row(at, end);
     // Unsigned: what is taken from each wraps around as it should.
     const std::uint32_t more = end - rows_[at + 1].begin;
     if (more == 0) continue;
@@ -110,7 +107,7 @@ void BoxRows::renew_rows() {
   }
   // Rows that nobody is left in are left out at the ends.
   if (rows_.front().extent.is_empty() || rows_[rows_.size() - 2].extent.is_empty()) {
-    count_rows(entries_);
+    count_rows();
     return;
   }
   sum_up_rows();
@@ -127,51 +124,73 @@ void BoxRows::sum_up_rows() {
 
 void BoxRows::build(std::span<const AuraBox> boxes) {
   clear();
-  for (std::size_t i = 0; i < boxes.size(); ++i) insert(static_cast<Number>(i), boxes[i]);
-  count_rows(fresh_);
+  fresh_.reserve(boxes.size());
+  std::int32_t first = std::numeric_limits<std::int32_t>::max();
+  std::int32_t last = std::numeric_limits<std::int32_t>::min();
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    insert(static_cast<Number>(i), boxes[i]);
+    if (fresh_.empty()) continue;
+    first = std::min(first, fresh_.back().row);
+    last = std::max(last, fresh_.back().row);
+  }
   if (fresh_.empty()) return;
+  span_rows(first, last);
+  next_.assign(rows_.size(), 0);
+  for (const Entry& entry : fresh_) ++next_[static_cast<std::size_t>(entry.row - first)];
+  std::uint32_t begin = 0;
+  for (std::size_t row = 0; row < rows_.size(); ++row) {
+    rows_[row].begin = begin;
+    begin += std::exchange(next_[row], begin);
+  }
   // Into their rows first: what is left to sort is short.
   entries_.resize(fresh_.size());
-  next_.resize(rows_.size());
-  for (std::size_t row = 0; row < rows_.size(); ++row) next_[row] = rows_[row].begin;
   for (const Entry& entry : fresh_)
-    entries_[next_[static_cast<std::size_t>(entry.row - first_row_)]++] = entry;
+    entries_[next_[static_cast<std::size_t>(entry.row - first)]++] = entry;
   fresh_.clear();
-  for (std::size_t row = 0; row + 1 < rows_.size(); ++row)
+  for (std::size_t row = 0; row + 1 < rows_.size(); ++row) {
     if (next_[row] - rows_[row].begin > 1)
       std::sort(entries_.begin() + rows_[row].begin, entries_.begin() + next_[row], IsBefore{});
+    renew_row(row, next_[row]);
+  }
+  sum_up_rows();
 }
 
-void BoxRows::Extent::take_in(const Extent& other) {
-  low_x = std::min(low_x, other.low_x);
-  high_x = std::max(high_x, other.high_x);
-  low_z = std::min(low_z, other.low_z);
-  high_z = std::max(high_z, other.high_z);
+/// Rows from one to another, and the end of the last one; all of them empty.
+void BoxRows::span_rows(std::int32_t first, std::int32_t last) {
+  first_row_ = first;
+  rows_.assign(static_cast<std::size_t>(last - first) + 2, {});
 }
 
-void BoxRows::Row::take_in(const RoughBox& box) {
-  widest_m = std::max(widest_m, box.high[0] - box.low[0]);
-  deepest_m = std::max(deepest_m, box.high[2] - box.low[2]);
-  extent.take_in({box.low[0], box.high[0], box.low[2], box.high[2]});
-}
-
-void BoxRows::count_rows(std::span<const Entry> entries) {
+/// All rows anew, of sorted entries.
+void BoxRows::count_rows() {
   rows_.clear();
-  sum_up_rows();
-  if (entries.empty()) return;
-  std::int32_t last_row = first_row_ = entries.front().row;
-  for (const Entry& entry : entries) {
-    first_row_ = std::min(first_row_, entry.row);
-    last_row = std::max(last_row, entry.row);
+  if (!entries_.empty()) {
+    span_rows(entries_.front().row, entries_.back().row);
+    std::uint32_t end = 0;
+    for (std::size_t row = 0; row + 1 < rows_.size(); ++row) {
+      rows_[row].begin = end;
+      const std::int32_t number = first_row_ + static_cast<std::int32_t>(row);
+      while (end < entries_.size() && entries_[end].row == number) ++end;
+      renew_row(row, end);
+    }
+    rows_.back().begin = end;
   }
-  rows_.resize(static_cast<std::size_t>(last_row - first_row_) + 2);
-  for (const Entry& entry : entries) {
-    const auto number = static_cast<std::size_t>(entry.row - first_row_);
-    rows_[number].take_in(entry.box);
-    ++rows_[number + 1].begin;
-  }
-  for (std::size_t row = 1; row < rows_.size(); ++row) rows_[row].begin += rows_[row - 1].begin;
   sum_up_rows();
+}
+
+/// From its boxes: those from where it begins to `end`.
+void BoxRows::renew_row(std::size_t row, std::uint32_t end) {
+  float widest_m = 0, deepest_m = 0;
+  GroundExtent extent;
+  for (std::uint32_t at = rows_[row].begin; at < end; ++at) {
+    const RoughBox& box = entries_[at].box;
+    widest_m = std::max(widest_m, box.high[0] - box.low[0]);
+    deepest_m = std::max(deepest_m, box.high[2] - box.low[2]);
+    extent.take_in(GroundExtent(box));
+  }
+  rows_[row].widest_m = widest_m;
+  rows_[row].deepest_m = deepest_m;
+  rows_[row].extent = extent;
 }
 
 }  // namespace aureole

@@ -12,6 +12,7 @@
 
 #include "server/aura/shapes/aura_box.h"
 #include "server/aura/shapes/box_question.h"
+#include "server/aura/shapes/ground_extent.h"
 
 namespace aureole {
 
@@ -58,7 +59,8 @@ class BoxRows {
   template <class Found>
   void find_each(const RoughBox& asked, Found&& found) const {
     const BoxQuestion question(asked);
-    if (all_.may_meet(asked)) find_in_rows(asked, question, found);
+    const GroundExtent ground(asked);
+    if (all_.meets(ground)) find_in_rows(asked, ground, question, found);
     for (const Entry& entry : large_)
       if (question.met_by(entry.box))
         found(hit_of(entry, std::numeric_limits<std::int32_t>::max()));
@@ -70,17 +72,6 @@ class BoxRows {
     Number number;
     RoughBox box;
   };
-  /// How far boxes reach; nothing overlaps no boxes.
-  struct Extent {
-    static constexpr float nowhere = std::numeric_limits<float>::infinity();
-    float low_x = nowhere, high_x = -nowhere, low_z = nowhere, high_z = -nowhere;
-    bool is_empty() const { return low_x == nowhere; }
-    bool may_meet(const RoughBox& box) const {
-      return low_x <= box.high[0] && high_x >= box.low[0] && low_z <= box.high[2] &&
-             high_z >= box.low[2];
-    }
-    void take_in(const Extent& other);
-  };
   struct IsBefore {
     bool operator()(const Entry& a, const Entry& b) const {
       if (a.row != b.row) return a.row < b.row;
@@ -89,13 +80,14 @@ class BoxRows {
     }
   };
   template <class Found>
-  void find_in_rows(const RoughBox& asked, const BoxQuestion& question, Found&& found) const {
+  void find_in_rows(const RoughBox& asked, const GroundExtent& ground, const BoxQuestion& question,
+                    Found&& found) const {
     const auto rows = static_cast<std::int32_t>(rows_.size()) - 1;
     const std::int32_t first = std::max(row_of(asked.low[2] - deepest_m_) - first_row_, 0);
     const std::int32_t last = std::min(row_of(asked.high[2]) - first_row_, rows - 1);
     for (std::int32_t number = first; number <= last; ++number) {
       const Row& row = rows_[static_cast<std::size_t>(number)];
-      if (!row.extent.may_meet(asked)) continue;
+      if (!row.extent.meets(ground)) continue;
       const Entry* at = entries_.data() + row.begin;
       const Entry* end = entries_.data() + rows_[static_cast<std::size_t>(number) + 1].begin;
       if (end - at > long_row) at += first_from(at, end - at, asked.low[0] - row.widest_m);
@@ -112,7 +104,9 @@ class BoxRows {
     }
     return at - entries + (at->box.low[0] < x ? 1 : 0);
   }
-  void count_rows(std::span<const Entry> entries);
+  void span_rows(std::int32_t first, std::int32_t last);
+  void count_rows();
+  void renew_row(std::size_t row, std::uint32_t end);
   void drop_erased();
   void take_in_fresh();
   void renew_rows();
@@ -156,14 +150,13 @@ class BoxRows {
   struct Row {
     std::uint32_t begin = 0;
     float widest_m = 0, deepest_m = 0;  ///< Of its boxes.
-    Extent extent;                      ///< The same.
-    void take_in(const RoughBox& box);
+    GroundExtent extent;                ///< The same.
   };
-  Extent all_;  ///< Of all in rows: many questions are about what is far from all of them.
+  GroundExtent all_;  ///< Of all in rows: many questions are about what is far from all of them.
   float deepest_m_ = 0;
   std::int32_t first_row_ = 0;
   std::vector<Row> rows_;  ///< From the first one on; one more begins where the last ends.
-  std::vector<std::uint32_t> next_;         ///< Only used within build().
+  std::vector<std::uint32_t> next_;         ///< Only used within build(): where each row goes on.
   std::vector<std::int32_t> changed_rows_;  ///< Only used within settle(); some twice.
 };
 

@@ -16,12 +16,14 @@ namespace aureole {
 class GroupProxies {
  public:
   explicit GroupProxies(std::span<BulletBody* const> group) {
+    if (group.size() == 1) only_ = group.front()->rigid.getBroadphaseHandle();
     for (const BulletBody* body : group) {
       const std::size_t bit = bit_of(body->rigid.getBroadphaseHandle());
       filter_[bit / 64] |= std::uint64_t{1} << bit % 64;
     }
   }
   bool hold(const btBroadphaseProxy* proxy) const {
+    if (only_ != nullptr) return proxy == only_;
     const std::size_t bit = bit_of(proxy);
     if ((filter_[bit / 64] >> bit % 64 & 1) == 0) return false;
     const BulletBody* body = body_of(object_of(proxy));
@@ -34,6 +36,7 @@ class GroupProxies {
     const std::uint64_t address = reinterpret_cast<std::uintptr_t>(proxy);
     return address * 0x9E37'79B9'7F4A'7C15 >> (64 - bits_log2);  // Knuth's multiplicative hash
   }
+  const btBroadphaseProxy* only_ = nullptr;  ///< If it is a group of one.
   std::array<std::uint64_t, (std::size_t{1} << bits_log2) / 64> filter_{};
 };
 

@@ -7,6 +7,7 @@
 #include "protocol/wire.h"
 #include "protocol/wire_values.h"
 #include "server/base/merge_in.h"
+#include "server/base/prefetch.h"
 #include "server/region/auras/aura_wire.h"
 #include "server/region/handoff/handoff.h"
 
@@ -206,6 +207,7 @@ std::vector<HandoverRequest> AuraExchange::take_in() {
   std::map<BodyId, HandoverRequest> requested;
   told_.clear();
   const auto by_id = [](const Told& a, const Told& b) { return a.id < b.id; };
+  for (const auto& [id, peer] : peers_) prefetch_beginning(peer.theirs);
   for (auto& [id, peer] : peers_) {
     for (const HandoverRequest& pull : peer.pulls) {
       const HandoverRequest heard{pull.body, pull.to, id};

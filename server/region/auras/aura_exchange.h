@@ -120,10 +120,10 @@ class AuraExchange {
     bool heard = false;                 ///< Something was received over this link.
     std::vector<Projection> projected;  ///< What the peer knows of us; ascending.
     std::vector<std::uint16_t> free_slots;
-    std::uint16_t next_slot = 0;            ///< Those from here on were never taken.
-    std::vector<RemoteAura> theirs;         ///< What we know of the peer; ascending.
-    std::vector<BodyId> their_slots;        ///< Whom the peer means by each slot.
-    std::vector<HandoverRequest> pulls;     ///< Of the newest message, until take_in().
+    std::uint16_t next_slot = 0;             ///< Those from here on were never taken.
+    std::vector<RemoteAura> theirs;          ///< What we know of the peer; ascending.
+    std::vector<BodyId> their_slots;         ///< Whom the peer means by each slot.
+    std::vector<HandoverRequest> pulls;      ///< Of the newest message, until take_in().
     std::vector<Wanted> wanted;              ///< Only used within announce(); kept for its memory.
     std::vector<Projection> projected_anew;  ///< The same.
     SharedBytes frame;
@@ -147,6 +147,7 @@ class AuraExchange {
       handed_over.clear();
     }
   };
+  static Sent as_sent(const ProjectedAura& aura);
   static std::uint16_t take_slot(Peer& peer);
   static void tell(Peer& peer, const Wanted& wanted, Projection& projection, bool known,
                    const AuraBodies& bodies, Message& message);
@@ -161,7 +162,8 @@ class AuraExchange {
   std::map<RegionId, Peer> peers_;
   std::vector<RemoteAura> remote_;
   std::vector<Told> told_, told_before_, told_by_one_;  ///< Only used within take_in().
-  Message message_;  ///< Only used within announce(), like the next; kept for their memory.
+  std::vector<Sent> sent_;  ///< Only used within announce(), like the next two.
+  Message message_;
   flatbuffers::FlatBufferBuilder builder_;
   std::vector<RestingNews> resting_news_;
   bool changed_ = true;

@@ -6,6 +6,7 @@
 #include "protocol/wire_values.h"
 #include "server/base/check.h"
 #include "server/base/merge_in.h"
+#include "server/base/prefetch.h"
 #include "server/region/auras/aura_exchange.h"
 #include "server/region/auras/aura_wire.h"
 #include "server/region/handoff/handoff.h"
@@ -160,36 +161,46 @@ SharedBytes AuraExchange::frame_for(Peer& peer, const std::vector<HandoverReques
                    FrameType::auras));
 }
 
+AuraExchange::Sent AuraExchange::as_sent(const ProjectedAura& aura) {
+  Sent sent;
+  sent.position = quantise(WorldPosition::from(aura.room.centre));
+  const RoundedSpine spine = round_spine(aura.room.half_spine);
+  sent.half_spine = spine.steps;
+  // The receiver's room holds the sender's.
+  sent.girth =
+      rounded_up(aura.room.girth_m + spine.error_m + std::sqrt(3) * position_error_m, girth_step_m);
+  sent.cluster = aura.company.label;
+  sent.company =
+      static_cast<std::uint8_t>(aura.company.size_class | aura.company.changes << changes_shift |
+                                (aura.company.crowded ? crowded_flag : 0));
+  sent.flags = static_cast<std::uint8_t>((aura.asleep ? asleep_flag : 0) |
+                                         (aura.resting ? resting_flag : 0));
+  sent.speed = rounded_up(aura.speed_mps, speed_step_mps);
+  return sent;
+}
+
 void AuraExchange::announce(Tick now, const MigrationDecision& decision, const AuraBodies& bodies) {
   changed_ = false;
   std::array<Peer*, RegionSet::capacity> listening{};
   for (auto& [id, peer] : peers_) {
     peer.frame.reset();
     peer.wanted.clear();
+    prefetch_beginning(peer.projected);
     if (peer.up && id.value < listening.size()) listening[id.value] = &peer;
   }
-  for (const ProjectedAura& aura : decision.projected) {
-    Sent sent;
-    sent.position = quantise(WorldPosition::from(aura.room.centre));
-    const RoundedSpine spine = round_spine(aura.room.half_spine);
-    sent.half_spine = spine.steps;
-    // The receiver's room holds the sender's.
-    sent.girth = rounded_up(aura.room.girth_m + spine.error_m + std::sqrt(3) * position_error_m,
-                            girth_step_m);
-    sent.cluster = aura.company.label;
-    sent.company =
-        static_cast<std::uint8_t>(aura.company.size_class | aura.company.changes << changes_shift |
-                                  (aura.company.crowded ? crowded_flag : 0));
-    sent.flags = static_cast<std::uint8_t>((aura.asleep ? asleep_flag : 0) |
-                                           (aura.resting ? resting_flag : 0));
-    sent.speed = rounded_up(aura.speed_mps, speed_step_mps);
+  sent_.clear();
+  for (const ProjectedAura& aura : decision.projected) sent_.push_back(as_sent(aura));
+  // Not each as soon as it is written: a processor cannot read at once what was written bit by bit
+  // just now.
+  for (std::size_t n = 0; n < sent_.size(); ++n) {
+    const ProjectedAura& aura = decision.projected[n];
     aura.to.for_each([&](RegionId to) {
       Peer* const peer = listening[to.value];
       if (peer == nullptr) return;
       std::vector<Wanted>& wanted = peer->wanted;
       AUREOLE_CHECK(wanted.empty() || wanted.back().id < aura.id,
                     "a policy names each aura once, in ascending order");
-      wanted.push_back({aura.id, sent});
+      wanted.push_back({aura.id, sent_[n]});
     });
   }
   std::map<RegionId, std::vector<HandoverRequest>> pulls;

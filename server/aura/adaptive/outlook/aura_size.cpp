@@ -30,13 +30,12 @@ double sinks_m(const HostedBody& body, double duration_s) {
   return drop_m + gravity_mps2 * down_s * (duration_s - down_s);
 }
 
+// To be multiplied with, axis by axis. Vectors of which one number has just been written are not
+// put together for it: a processor cannot read two of their numbers at once without waiting.
+const Eigen::Array3d upwards(0, 1, 0), over_the_ground(1, 0, 1), everywhere(1, 1, 1);
+
 Eigen::Vector3d level(const Eigen::Vector3d& v) {
-  return {v.x(), 0, v.z()};
-}
-/// To be added as a whole: of a vector of which only y has just been written a processor cannot
-/// read two numbers at once without waiting.
-Eigen::Vector3d upwards(double way_m) {
-  return {0, way_m, 0};
+  return v.array() * over_the_ground;
 }
 
 /// How fast a body that comes down at `falling_mps` may leave the ground again in whatever
@@ -71,9 +70,10 @@ AuraCapsule swept(const HostedBody& body, double reach_s) {
   const double flies_s = std::min(reach_s, (up_mps + falling_mps) / gravity_mps2);
   const double slides_s = reach_s - flies_s;
   const Eigen::Vector3d from = body.position.vector();
-  const Eigen::Vector3d bend = from + body.velocity_mps * flies_s - upwards(fall_m(flies_s));
-  const Eigen::Vector3d to =
-      bend + (slides_s > 0 ? level(body.velocity_mps) : body.velocity_mps) * slides_s;
+  const Eigen::Vector3d bend =
+      (from + body.velocity_mps * flies_s).array() - fall_m(flies_s) * upwards;
+  const Eigen::Array3d& onwards = slides_s > 0 ? over_the_ground : everywhere;
+  const Eigen::Vector3d to = bend.array() + body.velocity_mps.array() * onwards * slides_s;
   AuraCapsule room;
   room.centre = 0.5 * (from + to);
   room.half_spine = 0.5 * (to - from);
@@ -118,14 +118,14 @@ AuraCapsule flight_aura(const HostedBody& body, double reach_s) {
 
 AuraBox way_of(const HostedBody& body, double duration_s) {
   const Eigen::Vector3d way = body.velocity_mps * duration_s;
-  const Eigen::Vector3d low = way.cwiseMin(0) - upwards(fall_m(duration_s));
+  const Eigen::Vector3d low = way.cwiseMin(0).array() - fall_m(duration_s) * upwards;
   Eigen::Vector3d high = way.cwiseMax(0);
   double aside = resting_margin_m + astray * way.norm();
   if (std::isfinite(body.ground_gap_m)) {
     aside += turned_by_friction * std::abs(way.y());
     if (!body.round) aside += tripped * level(way).norm();
     // It may bounce, and no higher than it came.
-    high = high.cwiseMax(upwards(-way.y()));
+    high = high.array().max(-way.y() * upwards);
   }
   const Eigen::Vector3d extents = turning_extents(body, body.motion_speed_mps, duration_s);
   AuraBox box;

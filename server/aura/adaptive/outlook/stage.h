@@ -29,6 +29,10 @@ class Stage {
   /// Grows while it is asked.
   std::uint32_t size() const { return static_cast<std::uint32_t>(bodies_.size()); }
   const HostedBody& body(std::uint32_t number) const { return *bodies_[number]; }
+  /// Who is not shown is on the stage as a sleeper: nothing of it has to be fetched to know that.
+  bool is_asleep(std::uint32_t number) const {
+    return number >= situation_->hosted.size() || bodies_[number]->asleep;
+  }
   /// Valid until somebody comes, like box().
   const AuraCapsule& aura(std::uint32_t number) const { return auras_[number]; }
   /// The box around it.
