@@ -43,7 +43,8 @@ class ProjectedBodies final : public AuraBodies {
     return double{hosting_.definitions()[hosting_.physics().prototype(id).value].mass_kg};
   }
   NewBody resting_body(BodyId id) const override {
-    return {id, hosting_.physics().prototype(id), hosting_.physics().state(id)};
+    const BodyGlance seen = hosting_.physics().glance(id);
+    return {id, seen.prototype(), seen.state()};
   }
   bool was_handed_over(BodyId id) const override { return handed_over_.contains(id); }
 

@@ -3,9 +3,11 @@
 
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <map>
 #include <set>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "protocol/frame.h"
@@ -99,7 +101,10 @@ class AuraExchange {
     std::array<std::int8_t, 3> half_spine{};
     std::uint8_t flags = 0, company = 0;
     std::uint16_t girth = 0, speed = 0, cluster = 0;
-    friend bool operator==(const Sent&, const Sent&) = default;
+    friend bool operator==(const Sent& a, const Sent& b) {
+      static_assert(std::has_unique_object_representations_v<Sent>);
+      return std::memcmp(&a, &b, sizeof(Sent)) == 0;  // Not field by field.
+    }
   };
   /// What a peer is to know after this tick.
   struct Wanted {

@@ -30,15 +30,17 @@ struct RoundedSpine {
 
 RoundedSpine round_spine(const Eigen::Vector3d& half_spine) {
   RoundedSpine rounded;
-  Eigen::Vector3d error = half_spine;
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    const double steps = std::clamp(half_spine[axis] / spine_step_m, -127.0, 127.0);
+  std::array<double, 3> errors{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double exact = half_spine[static_cast<Eigen::Index>(axis)];
+    const double steps = std::clamp(exact / spine_step_m, -127.0, 127.0);
     // The same as std::round, without its call.
     const auto whole = static_cast<std::int8_t>(steps + (steps < 0 ? -0.5 : 0.5));
-    rounded.steps[static_cast<std::size_t>(axis)] = whole;
-    error[axis] -= whole * spine_step_m;
+    rounded.steps[axis] = whole;
+    errors[axis] = exact - whole * spine_step_m;
   }
-  rounded.error_m = error.norm();
+  const auto [x, y, z] = errors;
+  rounded.error_m = std::sqrt(x * x + (y * y + z * z));
   return rounded;
 }
 
@@ -200,7 +202,9 @@ void AuraExchange::announce(Tick now, const MigrationDecision& decision, const A
       std::vector<Wanted>& wanted = peer->wanted;
       AUREOLE_CHECK(wanted.empty() || wanted.back().id < aura.id,
                     "a policy names each aura once, in ascending order");
-      wanted.push_back({aura.id, sent_[n]});
+      Wanted& added = wanted.emplace_back();
+      added.id = aura.id;
+      added.sent = sent_[n];
     });
   }
   std::map<RegionId, std::vector<HandoverRequest>> pulls;

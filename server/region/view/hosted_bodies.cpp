@@ -6,16 +6,16 @@
 #include <tuple>
 
 #include "server/aura/adaptive/outlook/aura_size.h"
+#include "server/base/prefetch.h"
 
 namespace aureole {
 
 /// Everything that does not depend on time.
-HostedBody HostedBodies::glimpse(const Hosting& hosting, const BodyGlance& seen) const {
+void HostedBodies::glimpse(const Hosting& hosting, const BodyGlance& seen, HostedBody& body) const {
   const PrototypeId prototype = seen.prototype();
   const BodyDefinition& definition = hosting.definitions()[prototype.value];
   const BodyState state = seen.state();
   const Spine& spine = hosting.spine(prototype);
-  HostedBody body;
   body.id = seen.id();
   body.slot = seen.slot();
   body.position = state.position;
@@ -32,18 +32,19 @@ HostedBody HostedBodies::glimpse(const Hosting& hosting, const BodyGlance& seen)
   body.mass_kg = definition.mass_kg;
   body.restitution = definition.restitution;
   body.round = std::holds_alternative<SphereShape>(definition.shape);
-  return body;
 }
 
 void HostedBodies::show(Hosting& hosting, const BodyGlance& seen, const Look& look, Tick now) {
-  HostedBody& body = hosted_.emplace_back(glimpse(hosting, seen));
+  HostedBody& body = hosted_.emplace_back();
+  glimpse(hosting, seen, body);
   hosting.look(body, now, seen.slow_for_s());
   body.pressed = look.watch.is_pressed(body.id, now);
   nearby_geometry_.look(body, look.reach_s);
 }
 
 void HostedBodies::lay_down(Hosting& hosting, BodyId id) {
-  HostedBody body = glimpse(hosting, hosting.physics().glance(id));
+  HostedBody body;
+  glimpse(hosting, hosting.physics().glance(id), body);
   hosting.lie_down(body);
   nearby_geometry_.look(body, 0);  // It is not going anywhere.
   sleepers_.put(body);
@@ -128,10 +129,16 @@ std::vector<HostedBody>& HostedBodies::look(Hosting& hosting, const Look& look, 
   }
   hosting.begin_look(now);  // Each look in a tick begins at the first body.
   find_shown(hosting, look);
-  for (const Shown& shown : shown_)
+  hosted_.reserve(shown_.size());
+  for (const Shown& shown : shown_) {
+    // What has just been written is read again at once, which waits until its line is here.
+    constexpr std::size_t ahead = 2;
+    if (hosted_.size() + ahead < shown_.size())
+      prefetch(hosted_.data() + hosted_.size() + ahead, sizeof(HostedBody));
     show(hosting,
          shown.awake == sleeps ? physics.glance(shown.id) : physics.awake_glance(shown.awake), look,
          now);
+  }
   return hosted_;
 }
 

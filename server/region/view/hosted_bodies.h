@@ -51,7 +51,7 @@ class HostedBodies {
  private:
   void keep_sleepers(Hosting& hosting, std::span<const BodyId> changed);
   void lay_down(Hosting& hosting, BodyId id);
-  HostedBody glimpse(const Hosting& hosting, const BodyGlance& seen) const;
+  void glimpse(const Hosting& hosting, const BodyGlance& seen, HostedBody& body) const;
   void find_shown(Hosting& hosting, const Look& look);
   void show(Hosting& hosting, const BodyGlance& seen, const Look& look, Tick now);
 

@@ -92,8 +92,10 @@ void Stage::find_sleepers(const RoughBox& asked) {
   };
   situation_->sleepers->rows().find_each(asked, [&](const BoxRows::Hit& hit) {
     const std::uint32_t number = number_at(hit.number);
-    if ((number == none || number >= sorted_) && is_shown(hit.box))
+    if ((number == none || number >= sorted_) && is_shown(hit.box)) {
+      if (number == none) situation_->sleepers->fetch(hit.number);
       hits_.push_back({hit.number, hit.place});
+    }
   });
 }
 
