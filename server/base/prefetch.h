@@ -27,12 +27,11 @@ inline void prefetch(const void* p, std::size_t size) {
   prefetch(first + size - 1);
 }
 
-/// The same for the first lines of a list that will be gone through from its beginning: the rest
-/// the processor fetches by itself as soon as it has seen where the walk goes.
+/// The same for the first lines of what lies side by side and will be gone through from its
+/// beginning: the rest the processor fetches by itself as soon as it has seen where the walk goes.
 template <class List>
-void prefetch_beginning(const List& list) {
-  constexpr std::size_t most = 8 * cache_line;
-  if (!list.empty()) prefetch(list.data(), std::min(list.size() * sizeof(list[0]), most));
+void prefetch_beginning(const List& list, std::size_t most = 8 * cache_line) {
+  if (!list.empty()) prefetch(&*list.begin(), std::min(list.size() * sizeof(*list.begin()), most));
 }
 
 /// What lies behind pointers is brought nearer step by step: each needs what the one before has

@@ -5,6 +5,7 @@
 
 #include "protocol/wire.h"
 #include "server/base/check.h"
+#include "server/base/prefetch.h"
 #include "server/region/closed_boundary.h"
 #include "server/region/handoff/catch_up.h"
 #include "server/region/region_core.h"
@@ -52,6 +53,7 @@ void RegionCore::step(Tick now, const ShellMeasurements& measured) {
   hosting_.physics().step(tick_s);
   closed.after_step(hosting_.physics());
   enter(StepProfile::Part::aura);
+  fetch_peers();
   watch_stand_ins(now);
   enter(StepProfile::Part::physics);
   remove_strays(now);
@@ -70,6 +72,13 @@ void RegionCore::step(Tick now, const ShellMeasurements& measured) {
   last_tick_ = now;
   started_ = true;
   make_snapshot(now);
+}
+
+/// Each of them is asked several things in what follows, and a step of physics has put them far
+/// away.
+void RegionCore::fetch_peers() const {
+  prefetch_beginning(peers_, 64 * cache_line);
+  aura_exchange_.fetch();
 }
 
 void RegionCore::judge_tolerances(Tick now, const ShellMeasurements& measured) {

@@ -53,8 +53,8 @@ SharedBytes frame_of(flatbuffers::FlatBufferBuilder& builder, Tick now, bool com
                    FrameType::replica_update));
 }
 
-/// Nobody comes before whom one that is due has to be told of.
-constexpr BodyId no_body_before{std::numeric_limits<std::uint64_t>::max()};
+/// No body has a name that comes behind this one.
+constexpr BodyId behind_all{std::numeric_limits<std::uint64_t>::max()};
 
 }  // namespace
 
@@ -112,7 +112,8 @@ bool ReplicaPublisher::send_key(Round& round, const NewBody& body, std::uint32_t
 }
 
 bool ReplicaPublisher::send_key(Round& round, BodyId id, std::uint32_t slot) const {
-  return send_key(round, NewBody{id, round.world.prototype(id), round.world.state(id)}, slot);
+  return round.keys.size() < keys_per_update &&
+         send_key(round, NewBody{id, round.world.prototype(id), round.world.state(id)}, slot);
 }
 
 /// The next of those followed stays among them. In its place: in nearly every step all of them do,
@@ -170,7 +171,7 @@ void ReplicaPublisher::quantise_awake(std::span<const NewBody> awake) {
 /// is not, or that somebody who sleeps may come before: the place of that one. Nearly all are.
 std::size_t ReplicaPublisher::follow_from(Round& round, std::span<const NewBody> awake,
                                           std::size_t first) {
-  const BodyId due = round.next_due < due_.size() ? due_[round.next_due] : no_body_before;
+  const BodyId due = round.next_due < due_.size() ? due_[round.next_due] : behind_all;
   const std::size_t most = std::min(awake.size() - first, followed_.size() - round.next_followed);
   const QuantisedPose* const poses = &poses_[first];
   const Followed* const from = followed_.data() + round.next_followed;
@@ -179,7 +180,7 @@ std::size_t ReplicaPublisher::follow_from(Round& round, std::span<const NewBody>
   const auto key_is_due = [&](const Followed& of) {
     return (round.now.value + of.slot) % key_interval_ticks == 0;
   };
-  constexpr std::size_t ahead = 8;
+  constexpr std::size_t ahead = 32;
   std::size_t n = 0;
   for (; n < most; ++n) {
     if (n + ahead < most && key_is_due(from[n + ahead])) prefetch(&versions_[from[n + ahead].slot]);
@@ -233,7 +234,7 @@ SharedBytes ReplicaPublisher::update(Tick now, const PhysicsWorld& world,
       ++n;
     }
   }
-  look_at_sleepers(round, no_body_before);
+  look_at_sleepers(round, behind_all);
   followed_.erase(followed_.begin() + static_cast<std::ptrdiff_t>(round.kept), followed_.end());
   followed_.insert(followed_.end(), round.woken.begin(), round.woken.end());
   merge_in(followed_, static_cast<std::ptrdiff_t>(round.kept),

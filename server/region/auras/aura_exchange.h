@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <boost/container/flat_map.hpp>
 #include <cstdint>
 #include <cstring>
 #include <map>
@@ -15,6 +16,7 @@
 #include "protocol/wire.h"
 #include "server/aura/migration_policy.h"
 #include "server/base/ids.h"
+#include "server/base/prefetch.h"
 #include "server/base/result.h"
 #include "server/base/tick.h"
 #include "server/physics/body.h"
@@ -76,6 +78,8 @@ class AuraExchange {
   /// Whether anything was heard, or a link came or went, since the last announce().
   bool has_changed() const { return changed_; }
 
+  /// Begins to bring near what announce() and take_frame() ask of every peer.
+  void fetch() const { prefetch_beginning(peers_, 64 * cache_line); }
   /// Prepares this tick's frames from what the policy decided.
   void announce(Tick now, const MigrationDecision& decision, const AuraBodies& bodies);
   /// The frame for one linked peer, or nothing if there is nothing to say of auras.
@@ -164,7 +168,7 @@ class AuraExchange {
     BodyId id;
     const RemoteAura* aura = nullptr;
   };
-  std::map<RegionId, Peer> peers_;
+  boost::container::flat_map<RegionId, Peer> peers_;
   std::vector<RemoteAura> remote_;
   std::vector<Told> told_, told_before_, told_by_one_;  ///< Only used within take_in().
   std::vector<Sent> sent_;  ///< Only used within announce(), like the next two.

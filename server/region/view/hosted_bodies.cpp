@@ -57,6 +57,7 @@ void HostedBodies::keep_sleepers(Hosting& hosting, std::span<const BodyId> chang
     sleepers_.take(id);
     if (hosting.hosts(id) && hosting.physics().is_asleep(id)) lay_down(hosting, id);
   }
+  prefetch_beginning(awake_);
   const std::span<const NewBody> awake = hosting.physics().awake();
   awake_now_.resize(awake.size());
   std::transform(awake.begin(), awake.end(), awake_now_.begin(),
