@@ -18,7 +18,7 @@ namespace aureole {
 /// are compared, or moved outwards, alike, and at once where the processor can.
 class GroundExtent {
  public:
-  /// Of no boxes: nothing meets it.
+  /// Of no boxes: nothing that has bounds meets it.
   GroundExtent() { least_.fill(nowhere); }
   explicit GroundExtent(const RoughBox& box)
       : least_{box.low[0], box.low[2], -box.high[0], -box.high[2]} {}
