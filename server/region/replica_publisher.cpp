@@ -254,7 +254,8 @@ SharedBytes ReplicaPublisher::update(Tick now, const PhysicsWorld& world,
     now_known.emplace(a->player, sent);
   }
   players_ = std::move(now_known);
-  return frame_of(builder_, now, true, keys_, std::span(motions_).first(round.motions), removed, players);
+  return frame_of(builder_, now, true, keys_, std::span(motions_).first(round.motions), removed,
+                  players);
 }
 
 std::vector<SharedBytes> ReplicaPublisher::whole_state(Tick now, const PhysicsWorld& world,
