@@ -40,29 +40,45 @@ std::size_t size_of(const FrameHeader& header) {
 }
 
 /// `bytes` begin with all of it.
-Frame cut_out(const FrameHeader& header, std::span<const std::byte> bytes) {
-  const auto payload = bytes.subspan(sizeof header, header.payload_bytes);
-  return {static_cast<FrameType>(header.type), header.sequence, {payload.begin(), payload.end()}};
+FrameView cut_out(const FrameHeader& header, std::span<const std::byte> bytes) {
+  return {static_cast<FrameType>(header.type), header.sequence,
+          bytes.subspan(sizeof header, header.payload_bytes)};
+}
+
+}  // namespace
+
+namespace {
+
+FrameHeader header_of(FrameType type, std::uint64_t sequence, std::size_t payload_bytes) {
+  const std::size_t padded = (payload_bytes + 7) & ~std::size_t{7};
+  AUREOLE_CHECK(padded <= max_payload_bytes, "senders split what does not fit a frame");
+  return {static_cast<std::uint32_t>(padded), static_cast<std::uint16_t>(type), 0, sequence};
 }
 
 }  // namespace
 
 Bytes encode_frame(FrameType type, std::uint64_t sequence, std::span<const std::byte> payload) {
-  const std::size_t padded = (payload.size() + 7) & ~std::size_t{7};
-  AUREOLE_CHECK(padded <= max_payload_bytes, "senders split what does not fit a frame");
-  const FrameHeader header{static_cast<std::uint32_t>(padded), static_cast<std::uint16_t>(type), 0,
-                           sequence};
+  const FrameHeader header = header_of(type, sequence, payload.size());
   // Not filled with zeros first: nearly all of it is about to be written.
   Bytes bytes;
-  bytes.reserve(sizeof header + padded);
+  bytes.reserve(size_of(header));
   const auto head = std::as_bytes(std::span(&header, 1));
   bytes.insert(bytes.end(), head.begin(), head.end());
   bytes.insert(bytes.end(), payload.begin(), payload.end());
-  bytes.resize(sizeof header + padded);
+  bytes.resize(size_of(header));
   return bytes;
 }
 
-Result<Frame> decode_frame(std::span<const std::byte> bytes) {
+void encode_frame_into(Bytes& bytes, FrameType type, std::uint64_t sequence,
+                       std::span<const std::byte> payload) {
+  const FrameHeader header = header_of(type, sequence, payload.size());
+  bytes.resize(size_of(header));
+  const auto head = std::as_bytes(std::span(&header, 1));
+  const auto behind_head = std::copy(head.begin(), head.end(), bytes.begin());
+  std::fill(std::copy(payload.begin(), payload.end(), behind_head), bytes.end(), std::byte{0});
+}
+
+Result<FrameView> decode_frame(std::span<const std::byte> bytes) {
   const auto header = read_header(bytes);
   if (header)
     if (auto ok = check_header(*header, max_payload_bytes); !ok) return ok.error();
@@ -99,7 +115,7 @@ Status FrameReader::feed(std::span<const std::byte> data) {
   return Ok{};
 }
 
-std::optional<Frame> FrameReader::next() {
+std::optional<FrameView> FrameReader::next() {
   if (failed_) return std::nullopt;
   const auto rest = std::span<const std::byte>(buffer_).subspan(consumed_);
   const auto header = read_header(rest);

@@ -51,18 +51,41 @@ static_assert(sizeof(FrameHeader) == 16);
 inline constexpr std::size_t max_payload_bytes = 8u << 20;
 inline constexpr std::size_t max_hello_bytes = 1024;
 
-/// One whole frame, as it came from a peer. The payload lies 8-byte aligned.
+struct FrameView;
+
+/// One whole frame, kept. The payload lies 8-byte aligned.
 struct Frame {
   FrameType type{};
   std::uint64_t sequence = 0;
   Bytes payload;
+
+  operator FrameView() const;
 };
+
+/// One whole frame where it lies in the bytes that came from a peer, 8-byte aligned if they are:
+/// to be read before these go. Nearly all frames are read at once; whoever keeps one copies it into
+/// a Frame.
+struct FrameView {
+  FrameType type{};
+  std::uint64_t sequence = 0;
+  std::span<const std::byte> payload;
+
+  operator Frame() const { return {type, sequence, {payload.begin(), payload.end()}}; }
+};
+
+inline Frame::operator FrameView() const {
+  return {type, sequence, payload};
+}
 
 /// Builds header + payload (padded to 8 bytes). The payload must not pass max_payload_bytes.
 Bytes encode_frame(FrameType type, std::uint64_t sequence, std::span<const std::byte> payload);
 
-/// Reads back what encode_frame made; `bytes` must hold exactly one frame.
-Result<Frame> decode_frame(std::span<const std::byte> bytes);
+/// The same in the place of what `bytes` held.
+void encode_frame_into(Bytes& bytes, FrameType type, std::uint64_t sequence,
+                       std::span<const std::byte> payload);
+
+/// Reads back what encode_frame made; `bytes` must hold exactly one frame, and outlive the view.
+Result<FrameView> decode_frame(std::span<const std::byte> bytes);
 
 /// Cuts frames out of a stream that arrives in pieces of any size.
 class FrameReader {
@@ -78,8 +101,8 @@ class FrameReader {
   /// the hello is not refused before the caller could raise the limit.
   Status feed(std::span<const std::byte> data);
 
-  /// The next whole frame, if there is one.
-  std::optional<Frame> next();
+  /// The next whole frame, if there is one; it lies here until the next feed().
+  std::optional<FrameView> next();
 
   /// Bytes held back for an unfinished frame.
   std::size_t pending_bytes() const { return buffer_.size() - consumed_; }

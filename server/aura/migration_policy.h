@@ -203,14 +203,23 @@ struct MigrationDecision {
   std::vector<Migration> leaving;        ///< Disjoint groups, ascending by destination.
   std::vector<Pull> pulls;               ///< Ascending by `from`, then by `to`.
   std::vector<ProjectedAura> projected;  ///< Ascending by id.
+
+  /// Nothing has been decided yet; the memory stays.
+  void clear() {
+    sees_too_little = false;
+    largest_cluster = 0;
+    leaving.clear();
+    pulls.clear();
+    projected.clear();
+  }
 };
 
 class MigrationPolicy {
  public:
   virtual ~MigrationPolicy() = default;
   /// Called after every step whose tick is a multiple of interval_ticks(), or the first one after
-  /// such a tick was left out.
-  virtual MigrationDecision decide(const MigrationSituation& situation) = 0;
+  /// such a tick was left out. The caller's until the next call.
+  virtual const MigrationDecision& decide(const MigrationSituation& situation) = 0;
   virtual std::int64_t interval_ticks() const { return 1; }
   /// How far from the boundary, and from auras of others, a hosted body is of no interest (m): what
   /// is farther away need not be shown at first; see MigrationDecision::sees_too_little. Infinite:

@@ -10,7 +10,7 @@ namespace {
 
 class NaivePolicy final : public MigrationPolicy {
  public:
-  MigrationDecision decide(const MigrationSituation& s) override {
+  const MigrationDecision& decide(const MigrationSituation& s) override {
     const Rectangle& home = s.map.area(s.self);
     std::map<RegionId, std::vector<BodyId>> leaving;
     std::unordered_map<BodyId, RegionId> leaders;
@@ -28,13 +28,16 @@ class NaivePolicy final : public MigrationPolicy {
       if (auto it = leaders.find(body.leader); it != leaders.end())
         leaving[it->second].push_back(body.id);
     }
-    MigrationDecision decision;
+    decision_.clear();
     for (auto& [to, bodies] : leaving) {
       std::sort(bodies.begin(), bodies.end());
-      decision.leaving.push_back({to, std::move(bodies)});
+      decision_.leaving.push_back({to, std::move(bodies)});
     }
-    return decision;
+    return decision_;
   }
+
+ private:
+  MigrationDecision decision_;
 };
 
 }  // namespace

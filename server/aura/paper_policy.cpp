@@ -35,19 +35,19 @@ class PaperPolicy final : public MigrationPolicy {
 
   void set_tolerances(const AuraTolerances& tolerances) override { tolerances_ = tolerances; }
 
-  MigrationDecision decide(const MigrationSituation& s) override {
+  const MigrationDecision& decide(const MigrationSituation& s) override {
     prepare(s);
     meet_others(s);
-    MigrationDecision decision;
+    decision_.clear();
     std::map<RegionId, std::vector<BodyId>> leaving;
     aura_collisions(s, leaving);
     boundary_traverses(s, leaving);
     for (auto& [to, bodies] : leaving) {
       std::sort(bodies.begin(), bodies.end());
-      decision.leaving.push_back({to, std::move(bodies)});
+      decision_.leaving.push_back({to, std::move(bodies)});
     }
-    project(s, decision);
-    return decision;
+    project(s, decision_);
+    return decision_;
   }
 
  private:
@@ -256,6 +256,7 @@ class PaperPolicy final : public MigrationPolicy {
   }
 
   AuraTolerances tolerances_;
+  MigrationDecision decision_;
   std::vector<Body> bodies_;  ///< By index in MigrationSituation::hosted.
   SphereGrid auras_;          ///< Ours, less those that are in a cluster already.
   std::map<RegionId, Others> others_;

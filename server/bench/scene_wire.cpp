@@ -61,10 +61,10 @@ std::size_t bytes_of(const std::vector<SharedBytes>& frames) {
   return sum;
 }
 
-Frame read(const SharedBytes& bytes) {
-  auto frame = decode_frame(*bytes);
+FrameView read(const SharedBytes& bytes) {
+  const auto frame = decode_frame(*bytes);
   AUREOLE_CHECK(frame, "what a server sent is a frame");
-  return std::move(*frame);
+  return *frame;
 }
 
 void read_replicas(const Recording& recording, Samples& samples, ReplicaBytes& bytes) {
@@ -91,7 +91,7 @@ void read_replicas(const Recording& recording, Samples& samples, ReplicaBytes& b
 std::size_t auras_in(const std::vector<SharedBytes>& frames) {
   std::size_t sum = 0;
   for (const SharedBytes& bytes : frames) {
-    const Frame frame = read(bytes);
+    const FrameView frame = read(bytes);
     const auto* message = verified<wire::Auras>(frame.payload);
     if (message == nullptr) continue;
     if (message->auras() != nullptr) sum += message->auras()->size();

@@ -48,7 +48,7 @@ RegionSubscriber::RegionSubscriber(boost::asio::io_context& io, const WorldDefin
       links_(io, link_options(world, options), world_clock_,
              {.up = [this](PeerId peer, const PeerHello&) { on_up(peer); },
               .down = [this](PeerId peer, const std::string& why) { on_down(peer, why); },
-              .frame = [this](PeerId peer, Frame frame) { return on_frame(peer, frame); },
+              .frame = [this](PeerId peer, const FrameView& f) { return on_frame(peer, f); },
               .running = [] { return false; },
               .refused =
                   [](PeerId peer, const std::string& why) {
@@ -77,7 +77,7 @@ void RegionSubscriber::on_down(PeerId peer, const std::string& reason) {
   events_.changed();
 }
 
-Status RegionSubscriber::on_frame(PeerId from, const Frame& frame) {
+Status RegionSubscriber::on_frame(PeerId from, const FrameView& frame) {
   const RegionId region = from.as_region();
   if (frame.type == FrameType::region_status) return on_status(region, frame);
   if (frame.type == FrameType::recovery_query) return on_recovery_query(region, frame);
@@ -94,7 +94,7 @@ Status RegionSubscriber::on_frame(PeerId from, const Frame& frame) {
   return Ok{};
 }
 
-Status RegionSubscriber::on_recovery_query(RegionId from, const Frame& frame) {
+Status RegionSubscriber::on_recovery_query(RegionId from, const FrameView& frame) {
   auto answer = answer_recovery(store_, from, frame.payload);
   if (!answer) return answer.error();
   spdlog::info("region {} recovers and asks for what is known of its bodies", name_of(from));
@@ -102,7 +102,7 @@ Status RegionSubscriber::on_recovery_query(RegionId from, const Frame& frame) {
   return Ok{};
 }
 
-Status RegionSubscriber::on_status(RegionId from, const Frame& frame) {
+Status RegionSubscriber::on_status(RegionId from, const FrameView& frame) {
   const auto* status = verified<wire::RegionStatus>(frame.payload);
   if (!status) return Error{"a region's status cannot be read"};
   if (!is_wire_tick(status->tick()))

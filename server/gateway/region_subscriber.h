@@ -80,10 +80,10 @@ class RegionSubscriber {
   const std::vector<RegionReport>& reports() const { return reports_; }
 
  private:
-  Status on_frame(PeerId from, const Frame& frame);
-  Status on_status(RegionId from, const Frame& frame);
+  Status on_frame(PeerId from, const FrameView& frame);
+  Status on_status(RegionId from, const FrameView& frame);
   Result<std::vector<ToleranceEvent>> read_outside(const wire::RegionStatus& status) const;
-  Status on_recovery_query(RegionId from, const Frame& frame);
+  Status on_recovery_query(RegionId from, const FrameView& frame);
   void on_up(PeerId peer);
   void on_down(PeerId peer, const std::string& reason);
   const std::string& name_of(RegionId region) const { return world_.regions[region.value].name; }

@@ -60,7 +60,7 @@ void WireCensus::note(int from, int to, const Bytes& bytes) {
   if (frame->type == FrameType::replica_update && to == gateway_) note_replicas(from, *frame);
 }
 
-void WireCensus::note_auras(Link& link, const Frame& frame) {
+void WireCensus::note_auras(Link& link, const FrameView& frame) {
   const auto* message = verified<wire::Auras>(frame.payload);
   AUREOLE_CHECK(message != nullptr, "a core's own message is valid");
   const auto know = [&](std::uint64_t body, bool moves) {
@@ -104,7 +104,7 @@ void WireCensus::moved(Pose& known, const Pose& now) {
   known = now;
 }
 
-void WireCensus::note_replicas(int from, const Frame& frame) {
+void WireCensus::note_replicas(int from, const FrameView& frame) {
   const auto* message = verified<wire::ReplicaUpdate>(frame.payload);
   AUREOLE_CHECK(message != nullptr, "a core's own message is valid");
   auto& poses = poses_[from];

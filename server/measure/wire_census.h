@@ -58,8 +58,8 @@ class WireCensus {
     QuantisedOrientation orientation{};
     friend bool operator==(const Pose&, const Pose&) = default;
   };
-  void note_auras(Link& link, const Frame& frame);
-  void note_replicas(int from, const Frame& frame);
+  void note_auras(Link& link, const FrameView& frame);
+  void note_replicas(int from, const FrameView& frame);
   void moved(Pose& known, const Pose& now);
 
   int gateway_;

@@ -75,7 +75,7 @@ struct RegionServer::Impl {
                   PeerLinks::Events{
                       [this](PeerId peer, const PeerHello& hello) { up(peer, hello); },
                       [this](PeerId peer, const std::string&) { core.peer_down(peer); },
-                      [this](PeerId peer, const Frame& frame) { return core.receive(peer, frame); },
+                      [this](PeerId peer, const FrameView& f) { return core.receive(peer, f); },
                       [this] { return begun; },
                       [this](PeerId peer, const std::string& reason) {
                         // A world that runs is not ended by whoever happens to answer somewhere.

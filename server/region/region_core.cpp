@@ -122,7 +122,7 @@ void RegionCore::peer_down(PeerId id) {
   peers_.erase(it);
 }
 
-Status RegionCore::receive(PeerId from, const Frame& frame) {
+Status RegionCore::receive(PeerId from, const FrameView& frame) {
   const auto it = peers_.find(from);
   if (it == peers_.end() || !it->second.up)
     return Error::format("a message of server {}, which is not part of this world", from.value);

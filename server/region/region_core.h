@@ -87,7 +87,7 @@ class RegionCore {
   void peer_down(PeerId peer);
   /// Validates and queues, does nothing else. After an Error the link must be closed; nothing of
   /// the message has been taken.
-  Status receive(PeerId from, const Frame& frame);
+  Status receive(PeerId from, const FrameView& frame);
   /// Exactly one step of 16 ms, to tick `now`, which must be later than the step before.
   void step(Tick now, const ShellMeasurements& measured = {});
   /// One way, measured by the shell or modelled by the simulation; call whenever there is news.
@@ -194,7 +194,7 @@ class RegionCore {
   void migrate(Tick now);
   std::vector<BodyId> stirred_bodies(Tick now) const;
   std::span<const HostedBody> look_at_hosted(Tick now);
-  MigrationDecision decide(Tick now);
+  const MigrationDecision& decide(Tick now);
   void foresee_blasts(std::vector<HostedBody>& hosted, Tick now) const;
   void foresee_deeds(std::vector<HostedBody>& hosted, Tick now);
   void watch_stand_ins(Tick now);
@@ -219,7 +219,7 @@ class RegionCore {
   // region/recovery/: snapshots, answers to those who recover, and our own recovery.
   SnapshotOwner snapshot_owner() const;
   void make_snapshot(Tick now);
-  Status receive_recovery(PeerId from, Peer& peer, const Frame& frame);
+  Status receive_recovery(PeerId from, Peer& peer, const FrameView& frame);
   void note_traces(Tick now);
   RecoveryAnswer answer_to(const Peer& peer) const;
   bool stays_frozen(Tick now, const ShellMeasurements& measured);
@@ -254,7 +254,8 @@ class RegionCore {
   std::size_t largest_cluster_ = 0;  ///< As of the last decision, if it was asked.
   /// Of bodies that are not hosted here; valid within migrate().
   std::span<const RemoteAura> remote_auras_;
-  std::vector<RemoteAura> others_auras_;  ///< Kept for its memory.
+  std::vector<RemoteAura> others_auras_;  ///< Kept for its memory, like the next one.
+  std::vector<bool> linked_;              ///< By region; valid within decide().
   PlayerOutput player_output_;
   std::vector<Outgoing> outbox_;
   /// For each injector, how many it had made; not counted if it may not inject here.

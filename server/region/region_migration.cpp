@@ -172,13 +172,13 @@ Hosting::Cut RegionCore::cut() const {
   return world_.mode == MigrationMode::adaptive ? Hosting::Cut::at_rest : Hosting::Cut::nowhere;
 }
 
-MigrationDecision RegionCore::decide(Tick now) {
-  std::vector<bool> linked(map_.size(), false);
+const MigrationDecision& RegionCore::decide(Tick now) {
+  linked_.assign(map_.size(), false);
   for (const auto& [id, peer] : peers_)
     if (id.is_region())
-      linked[id.as_region().value] =
+      linked_[id.as_region().value] =
           peer.up && !peer.recovering && !waits_for_auras(id.as_region(), peer, now);
-  MigrationDecision decision;
+  const MigrationDecision* decision = nullptr;
   const double depth_m = policy_->depth_m() + home_lines_.margin_m();
   const bool asks_largest = load_levels_.is_to_choose(now);
   // Where a strip is not enough, one twice as deep nearly always is. But if the largest cluster is
@@ -190,26 +190,26 @@ MigrationDecision RegionCore::decide(Tick now) {
     if (depth_m < look_m && look_m == everything_m) ++extra_.whole_looks;
     hosted_bodies_.show_within(look_m, remote_auras_);
     const std::span<const HostedBody> hosted = look_at_hosted(now);
-    decision = policy_->decide({.now = now,
-                                .self = self_,
-                                .map = home_lines_.map(),
-                                .hosted = hosted,
-                                .remote = remote_auras_,
-                                .requested = handover_requests_,
-                                .linked = linked,
-                                .contacts = &contacts,
-                                .view = hosted_bodies_.view(),
-                                .sleepers = hosted_bodies_.sleepers(),
-                                .awake = awake_everywhere_,
-                                .order = {load_levels_.in_force(now), neighbours_},
-                                .order_before = {load_levels_.in_force_before(now), neighbours_},
-                                .map_margin_m = home_lines_.margin_m(),
-                                .asks_largest = asks_largest});
-    if (!decision.sees_too_little) break;
+    decision = &policy_->decide({.now = now,
+                                 .self = self_,
+                                 .map = home_lines_.map(),
+                                 .hosted = hosted,
+                                 .remote = remote_auras_,
+                                 .requested = handover_requests_,
+                                 .linked = linked_,
+                                 .contacts = &contacts,
+                                 .view = hosted_bodies_.view(),
+                                 .sleepers = hosted_bodies_.sleepers(),
+                                 .awake = awake_everywhere_,
+                                 .order = {load_levels_.in_force(now), neighbours_},
+                                 .order_before = {load_levels_.in_force_before(now), neighbours_},
+                                 .map_margin_m = home_lines_.margin_m(),
+                                 .asks_largest = asks_largest});
+    if (!decision->sees_too_little) break;
   }
   handover_requests_.clear();
-  largest_cluster_ = decision.largest_cluster;
-  return decision;
+  largest_cluster_ = decision->largest_cluster;
+  return *decision;
 }
 
 /// All servers decide at the same ticks; who was held up makes up for one that was left out.
@@ -244,7 +244,7 @@ void RegionCore::migrate(Tick now) {
   // Most of a world sleeps most of the time; what was decided then still holds.
   if (!home_is_elsewhere && nothing_stirs(now)) return;
   find_remote_auras();
-  const MigrationDecision decision = decide(now);
+  const MigrationDecision& decision = decide(now);
   enter(StepProfile::Part::aura);
   for (const Migration& migration : decision.leaving)
     handed_over_.insert(migration.bodies.begin(), migration.bodies.end());

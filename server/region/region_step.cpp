@@ -103,6 +103,7 @@ void RegionCore::take_in(Tick now) {
 }
 
 void RegionCore::take_in_groups(Tick now) {
+  if (arrived_groups_.empty()) return;
   const Tick present = now - 1;
   std::int64_t budget = catch_up_budget;
   std::deque<Arrived> waiting;
@@ -250,12 +251,13 @@ void RegionCore::remove_strays(Tick) {
       fastest_squared = squared;
       fastest_.body = id;
     }
-    const Eigen::Vector3d p = state.position.vector();
-    // Written so that a position that is not a number counts as outside. No other server would take
-    // a state whose numbers have burst.
-    const bool inside = (p.array() >= bounds.min.array()).all() &&
-                        (p.array() <= bounds.max.array()).all() && may_travel(state);
-    if (inside) continue;
+    // Written so that a position that is not a number counts as outside, and without a branch for
+    // each comparison. No other server would take a state whose numbers have burst.
+    const WorldPosition& p = state.position;
+    const bool inside = (p.x >= bounds.min.x()) & (p.x <= bounds.max.x()) &
+                        (p.y >= bounds.min.y()) & (p.y <= bounds.max.y()) &
+                        (p.z >= bounds.min.z()) & (p.z <= bounds.max.z());
+    if (inside & clearly_may_travel(state) || (inside && may_travel(state))) continue;
     if (id.kind() == BodyId::Kind::avatar && players_.is_avatar_here(id.player()))
       fallen.push_back(id.player());
     else
@@ -374,7 +376,7 @@ void RegionCore::publish(Tick now, const SharedBytes& update, const ShellMeasure
         outbox_.push_back({id, std::move(auras)});
       } else if (!started_ || is_word_due(last_tick_, now, peer.word_every_ticks) ||
                  aura_exchange_.tells(id.as_region())) {
-        if (!sign_of_life) sign_of_life = AuraExchange::sign_of_life(now);
+        if (!sign_of_life) sign_of_life = aura_exchange_.sign_of_life(now);
         outbox_.push_back({id, sign_of_life});
       }
     } else if (peer.wants_whole_state) {

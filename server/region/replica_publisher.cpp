@@ -36,21 +36,19 @@ wire::PlayerStatus to_wire(const Avatar& a) {
   return {a.player.value, a.session, a.applied_sequence, a.connected, a.carried.value};
 }
 
-SharedBytes frame_of(flatbuffers::FlatBufferBuilder& builder, Tick now, bool complete,
-                     std::span<const wire::ReplicaKey> keys,
-                     std::span<const wire::ReplicaMotion> motions,
-                     std::span<const wire::ReplicaRemoved> removed,
-                     std::span<const wire::PlayerStatus> players) {
+flatbuffers::Offset<wire::ReplicaUpdate> write(flatbuffers::FlatBufferBuilder& builder, Tick now,
+                                               bool complete,
+                                               std::span<const wire::ReplicaKey> keys,
+                                               std::span<const wire::ReplicaMotion> motions,
+                                               std::span<const wire::ReplicaRemoved> removed,
+                                               std::span<const wire::PlayerStatus> players) {
   builder.Clear();
   const auto keys_at = builder.CreateVectorOfStructs(keys.data(), keys.size());
   const auto motions_at = builder.CreateVectorOfStructs(motions.data(), motions.size());
   const auto removed_at = builder.CreateVectorOfStructs(removed.data(), removed.size());
   const auto players_at = builder.CreateVectorOfStructs(players.data(), players.size());
-  return std::make_shared<const Bytes>(
-      finish_frame(builder,
-                   wire::CreateReplicaUpdate(builder, now.value, complete, keys_at, motions_at,
-                                             removed_at, players_at),
-                   FrameType::replica_update));
+  return wire::CreateReplicaUpdate(builder, now.value, complete, keys_at, motions_at, removed_at,
+                                   players_at);
 }
 
 /// No body has a name that comes behind this one.
@@ -97,8 +95,8 @@ struct ReplicaPublisher::Round {
   const PhysicsWorld& world;
   std::size_t next_followed = 0, next_due = 0;  ///< Places in the lists that are walked.
   std::size_t kept = 0;           ///< So many of those followed before have been looked at and stay.
-  std::vector<Followed> woken{};  ///< To be followed from now on; ascending.
-  std::vector<BodyId> still_due{};
+  std::vector<Followed>& woken;
+  std::vector<BodyId>& still_due;
   std::vector<wire::ReplicaKey>& keys;
   std::size_t motions = 0;  ///< How many have been told of.
 };
@@ -218,7 +216,10 @@ void ReplicaPublisher::greet(Round& round, const NewBody& body, const QuantisedP
 SharedBytes ReplicaPublisher::update(Tick now, const PhysicsWorld& world,
                                      std::span<const Avatar* const> avatars) {
   keys_.clear();
-  Round round{.now = now, .world = world, .keys = keys_};
+  woken_.clear();
+  still_due_.clear();
+  Round round{
+      .now = now, .world = world, .woken = woken_, .still_due = still_due_, .keys = keys_};
   std::sort(due_.begin(), due_.end());
   due_.erase(std::unique(due_.begin(), due_.end()), due_.end());
   const std::span<const NewBody> awake = world.awake();
@@ -239,7 +240,7 @@ SharedBytes ReplicaPublisher::update(Tick now, const PhysicsWorld& world,
   followed_.insert(followed_.end(), round.woken.begin(), round.woken.end());
   merge_in(followed_, static_cast<std::ptrdiff_t>(round.kept),
            [](const Followed& a, const Followed& b) { return a.id < b.id; });
-  std::swap(due_, round.still_due);
+  due_.swap(still_due_);
 
   std::vector<wire::ReplicaRemoved> removed;
   for (const auto& r : removed_) removed.push_back({r.id.value, to_wire(r.version)});
@@ -254,8 +255,9 @@ SharedBytes ReplicaPublisher::update(Tick now, const PhysicsWorld& world,
     now_known.emplace(a->player, sent);
   }
   players_ = std::move(now_known);
-  return frame_of(builder_, now, true, keys_, std::span(motions_).first(round.motions), removed,
-                  players);
+  const auto root = write(builder_, now, true, keys_, std::span(motions_).first(round.motions),
+                          removed, players);
+  return frames_.finish(builder_, root, FrameType::replica_update);
 }
 
 std::vector<SharedBytes> ReplicaPublisher::whole_state(Tick now, const PhysicsWorld& world,
@@ -279,9 +281,11 @@ std::vector<SharedBytes> ReplicaPublisher::whole_state(Tick now, const PhysicsWo
   do {
     const std::size_t count = std::min(keys_per_frame, keys.size() - at);
     const bool last = at + count == keys.size();
-    frames.push_back(frame_of(builder, now, last, std::span(keys).subspan(at, count), {}, {},
-                              last ? std::span<const wire::PlayerStatus>(players)
-                                   : std::span<const wire::PlayerStatus>()));
+    const auto root = write(builder, now, last, std::span(keys).subspan(at, count), {}, {},
+                            last ? std::span<const wire::PlayerStatus>(players)
+                                 : std::span<const wire::PlayerStatus>());
+    frames.push_back(std::make_shared<const Bytes>(
+        finish_frame(builder, root, FrameType::replica_update)));
     at += count;
   } while (at < keys.size());
   return frames;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "protocol/frame.h"
+#include "protocol/frame_pool.h"
 #include "protocol/quantise.h"
 #include "protocol/wire.h"
 #include "server/base/ids.h"
@@ -97,6 +98,9 @@ class ReplicaPublisher {
   std::vector<QuantisedPose> poses_;  ///< Of those who are awake.
   std::vector<wire::ReplicaKey> keys_;
   std::vector<wire::ReplicaMotion> motions_;  ///< One more than there can be.
+  std::vector<Followed> woken_;               ///< To be followed from now on; ascending.
+  std::vector<BodyId> still_due_;
+  FramePool frames_{4};
   flatbuffers::FlatBufferBuilder builder_;
 };
 

@@ -142,7 +142,7 @@ std::vector<Bytes> aureole_fuzz_seeds() {
   for (Bytes& more : messages({decision(10, 14), decision(10, 14, false, 2)}))
     seeds.push_back(more);
   for (const std::int64_t tick : {std::int64_t{8}, INT64_MAX, INT64_MIN}) {
-    const SharedBytes life = AuraExchange::sign_of_life(Tick{tick});
+    const SharedBytes life = AuraExchange().sign_of_life(Tick{tick});
     seeds.emplace_back(life->begin() + sizeof(FrameHeader), life->end());
   }
   return seeds;

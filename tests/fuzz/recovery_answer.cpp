@@ -96,7 +96,7 @@ std::vector<Bytes> aureole_fuzz_seeds() {
   all.players = {{PlayerId{1}, 12, 36, BodyId::world(12)}, {PlayerId{2}, 13, 1, {}}};
   std::vector<Bytes> seeds;
   for (const RecoveryAnswer& answer : {done, traces, states, all})
-    seeds.push_back(decode_frame(*encode_recovery_answer(answer).front())->payload);
-  seeds.push_back(decode_frame(*encode_recovery_query(3))->payload);
+    seeds.push_back(Frame(*decode_frame(*encode_recovery_answer(answer).front())).payload);
+  seeds.push_back(Frame(*decode_frame(*encode_recovery_query(3))).payload);
   return seeds;
 }

@@ -209,7 +209,7 @@ MUTATIONS = [
         "no-farewell",
         "whoever is handed a body is not told of what it leans on before it tells of its aura there",
         "server/aura/adaptive/visitors.cpp",
-        "  for (const std::uint32_t body : found) near_[body].add(to);",
+        "  for (const std::uint32_t body : found_) near_[body].add(to);",
         "  (void)to;",
         ((AURA, "whoever is handed a body is told at once of what it leans on, until it has been heard"),),
     ),

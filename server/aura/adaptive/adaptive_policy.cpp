@@ -70,7 +70,8 @@ class AdaptivePolicy final : public MigrationPolicy {
     homecoming_.set_tolerances(tolerances);
   }
 
-  MigrationDecision decide(const MigrationSituation& s) override {
+  const MigrationDecision& decide(const MigrationSituation& s) override {
+    decision_.clear();
     outlook_.look(s);
     clusters_.begin(s, outlook_);
     homecoming_.note_unrest(s, outlook_);
@@ -78,9 +79,8 @@ class AdaptivePolicy final : public MigrationPolicy {
     contests_.find(s, outlook_, clusters_, visitors_);
     visitors_.warn();
     if (!sees_enough(s)) {
-      MigrationDecision nothing;
-      nothing.sees_too_little = true;
-      return nothing;
+      decision_.sees_too_little = true;
+      return decision_;
     }
     Leaving leaving;
     Pulls pulls;
@@ -96,17 +96,16 @@ class AdaptivePolicy final : public MigrationPolicy {
         for (const Clusters::Number cluster : pocket.clusters)
           send(s, cluster, pocket.home, leaving);
     }
-    MigrationDecision decision;
     for (auto& [to, bodies] : leaving) {
       std::sort(bodies.begin(), bodies.end());
-      decision.leaving.push_back({to, std::move(bodies)});
+      decision_.leaving.push_back({to, std::move(bodies)});
     }
     for (auto& [way, bodies] : pulls)
-      decision.pulls.push_back({way.first, way.second, {bodies.begin(), bodies.end()}});
+      decision_.pulls.push_back({way.first, way.second, {bodies.begin(), bodies.end()}});
     visitors_.remember();
-    project(s, decision);
-    if (s.asks_largest) decision.largest_cluster = largest_cluster(s);
-    return decision;
+    project(s);
+    if (s.asks_largest) decision_.largest_cluster = largest_cluster(s);
+    return decision_;
   }
 
  private:
@@ -174,9 +173,8 @@ class AdaptivePolicy final : public MigrationPolicy {
 
   /// Tells of each aura its audience, and the hosts of auras near it. Some room beyond the aura, so
   /// that whoever is about to be met has heard of it.
-  void project(const MigrationSituation& s, MigrationDecision& decision) {
+  void project(const MigrationSituation& s) {
     const Rectangle home = s.map.area(s.self).inner(s.map_margin_m);
-    decision.projected.reserve(s.remote.size() + 64);  // About as many as others tell of.
     for (const std::uint32_t i : outlook_.stage().ascending()) {
       const auto cluster = clusters_.known(i);
       if (cluster && clusters_.sent(*cluster)) continue;
@@ -186,7 +184,7 @@ class AdaptivePolicy final : public MigrationPolicy {
       if (!home.holds(footprint(box))) told.add(audience(s, box));
       told.remove(s.self);
       if (told.empty()) continue;
-      ProjectedAura& aura = decision.projected.emplace_back();
+      ProjectedAura& aura = decision_.projected.emplace_back();
       aura.id = outlook_.body(i).id;
       aura.room = outlook_.aura(i);
       aura.asleep = outlook_.stage().is_asleep(i);
@@ -203,6 +201,7 @@ class AdaptivePolicy final : public MigrationPolicy {
   Contests contests_;
   Visitors visitors_;
   Homecoming homecoming_;
+  MigrationDecision decision_;
   Tick last_homecoming_{-homecoming_interval_ticks};
 };
 

@@ -2,6 +2,7 @@
 #include "server/aura/adaptive/homecoming.h"
 
 #include <algorithm>
+#include <boost/container/small_vector.hpp>
 #include <map>
 
 #include "server/aura/adaptive/contests/contests.h"
@@ -224,7 +225,7 @@ bool Homecoming::look_around(Clusters::Number cluster, RegionId home, const Cont
   if (clusters_->sent(cluster) || home_of(cluster) != home) return false;
   // A copy: whoever is found may have to come on the stage.
   const auto span = clusters_->members(cluster);
-  const std::vector<std::uint32_t> members(span.begin(), span.end());
+  const boost::container::small_vector<std::uint32_t, 64> members(span.begin(), span.end());
   return std::all_of(members.begin(), members.end(), [&](std::uint32_t member) {
     return may_leave(member, contests.is_contested(member)) && add_met(member, home, met);
   });
@@ -242,11 +243,10 @@ std::vector<Clusters::Number> Homecoming::pocket_of(Clusters::Number first, Regi
   const std::uint32_t self = ++pockets_;
   std::vector<Clusters::Number> pocket{first};
   pocket_at(first) = self;
-  std::vector<std::uint32_t> met;
   for (std::size_t k = 0; k < pocket.size(); ++k) {
-    met.clear();
-    if (!look_around(pocket[k], home, contests, met)) return {};
-    for (const std::uint32_t body : met) {
+    met_.clear();
+    if (!look_around(pocket[k], home, contests, met_)) return {};
+    for (const std::uint32_t body : met_) {
       const Clusters::Number cluster = clusters_->of(body);
       std::uint32_t& at = pocket_at(cluster);
       if (at == self) continue;

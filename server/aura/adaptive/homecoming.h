@@ -86,7 +86,7 @@ class Homecoming {
   static constexpr std::uint32_t no_pocket = 0;
   std::vector<std::uint32_t> judged_;  ///< The pocket of each cluster that has been found.
   std::uint32_t pockets_ = no_pocket;
-  std::vector<std::uint32_t> found_;
+  std::vector<std::uint32_t> found_, met_;  ///< Kept for their memory.
 };
 
 }  // namespace aureole

@@ -55,29 +55,28 @@ void Visitors::look_ahead() {
   last_warning_ = situation_->now;
   warned_.clear();
   if (situation_->remote.empty()) return;
-  std::vector<std::uint32_t> found;
   for (std::uint32_t i = 0; i < situation_->hosted.size(); ++i) {
     if (!outlook_->moves(i)) continue;
     const AuraBox way = way_of(situation_->hosted[i], clear_flight_s);
     if (!outlook_->near_others(way)) continue;
-    found.clear();
-    outlook_->remote_rows().find(way, found);
+    found_.clear();
+    outlook_->remote_rows().find(way, found_);
     RegionSet hosts;
-    for (const std::uint32_t other : found) hosts.add(situation_->remote[other].host);
+    for (const std::uint32_t other : found_) hosts.add(situation_->remote[other].host);
     if (!hosts.empty()) warned_.emplace_back(situation_->hosted[i].id, hosts);
   }
 }
 
 void Visitors::note_leaving(std::span<const std::uint32_t> bodies, RegionId to) {
-  std::vector<std::uint32_t> found;
+  found_.clear();
   for (const std::uint32_t body : bodies) {
     AuraBox wide = outlook_->box(body);
     wide.half.array() +=
         outlook_->rests(body) ? leaning_m : clearance_m_ + outlook_->expected_mps(body) * reach_s_;
-    outlook_->find(wide, found);
+    outlook_->find(wide, found_);
   }
   make_room();
-  for (const std::uint32_t body : found) near_[body].add(to);
+  for (const std::uint32_t body : found_) near_[body].add(to);
 }
 
 /// Sleepers that nothing comes near to any more are told of until it is sure that nothing will.
@@ -99,20 +98,19 @@ void Visitors::remember() {
     return situation_->now - visit.at <= hold_ticks_;
   };
   bring_in_visited();
-  std::vector<Visit> visits;
-  visits.reserve(visits_.size() + 16);
-  auto before = visits_.begin();
+  visits_before_.swap(visits_);
+  visits_.clear();
+  auto before = visits_before_.begin();
   for (const std::uint32_t i : outlook_->stage().ascending()) {
     const BodyId id = outlook_->body(i).id;
-    near_[i].for_each([&](RegionId visitor) { visits.push_back({id, visitor, situation_->now}); });
-    while (before != visits_.end() && before->visited < id) ++before;
-    for (; before != visits_.end() && before->visited == id; ++before) {
+    near_[i].for_each([&](RegionId visitor) { visits_.push_back({id, visitor, situation_->now}); });
+    while (before != visits_before_.end() && before->visited < id) ++before;
+    for (; before != visits_before_.end() && before->visited == id; ++before) {
       if (near_[i].contains(before->visitor) || !is_fresh(*before)) continue;
       near_[i].add(before->visitor);
-      visits.push_back(*before);
+      visits_.push_back(*before);
     }
   }
-  visits_ = std::move(visits);
 }
 
 }  // namespace aureole

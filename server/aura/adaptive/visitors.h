@@ -65,6 +65,8 @@ class Visitors {
     Tick at;
   };
   std::vector<Visit> visits_;
+  std::vector<Visit> visits_before_;  ///< Only used within remember(); kept for its memory.
+  std::vector<std::uint32_t> found_;  ///< The same for all that finds.
 };
 
 }  // namespace aureole

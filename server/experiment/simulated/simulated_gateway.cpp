@@ -70,7 +70,7 @@ void SimulatedGateway::send(SimulatedNetwork& network, RegionId to, SharedBytes 
   if (linked_[to.value]) network.send(self_, to.value, std::move(frame), now);
 }
 
-Status SimulatedGateway::answer(SimulatedNetwork& network, RegionId from, const Frame& query,
+Status SimulatedGateway::answer(SimulatedNetwork& network, RegionId from, const FrameView& query,
                                 Micros now) {
   const auto frames = answer_recovery(*store_, from, query.payload);
   if (!frames) return frames.error();

@@ -38,7 +38,7 @@ class SimulatedGateway {
 
  private:
   /// Tells a region in recovery what the store knows.
-  Status answer(SimulatedNetwork& network, RegionId from, const Frame& query, Micros now);
+  Status answer(SimulatedNetwork& network, RegionId from, const FrameView& query, Micros now);
   void take(SimulatedNetwork& network, const Delivery& delivery, Micros now);
 
   const WorldDefinition& world_;

@@ -22,7 +22,7 @@ SharedBytes make_refusal(const std::string& reason) {
   return std::make_shared<const Bytes>(finish_frame(builder, refusal, FrameType::refusal));
 }
 
-Result<Introduction> read_hello(const Frame& frame, const PeerLinksOptions& self) {
+Result<Introduction> read_hello(const FrameView& frame, const PeerLinksOptions& self) {
   const auto* hello = verified<wire::Hello>(frame.payload);
   if (hello == nullptr) return Error{"the first message is not a valid hello"};
   if (hello->protocol_version() != protocol_version)
@@ -49,7 +49,7 @@ Result<Introduction> read_hello(const Frame& frame, const PeerLinksOptions& self
                        hello->running()}};
 }
 
-std::string read_refusal(const Frame& frame) {
+std::string read_refusal(const FrameView& frame) {
   const auto* refusal = verified<wire::Refusal>(frame.payload);
   if (refusal == nullptr || refusal->reason() == nullptr) return "no reason given";
   std::string reason = refusal->reason()->str().substr(0, 500);

@@ -21,10 +21,10 @@ SharedBytes make_refusal(const std::string& reason);
 
 /// Reads the other side's hello. An Error is a sentence for both sides: another protocol version,
 /// another world, an id that cannot be, or ourselves.
-Result<Introduction> read_hello(const Frame& frame, const PeerLinksOptions& self);
+Result<Introduction> read_hello(const FrameView& frame, const PeerLinksOptions& self);
 
 /// The reason in a refusal frame, made safe to print.
-std::string read_refusal(const Frame& frame);
+std::string read_refusal(const FrameView& frame);
 
 /// "region r2" or "gateway 0", for logs.
 std::string describe(PeerId peer);

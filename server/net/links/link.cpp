@@ -42,7 +42,7 @@ void Link::read() {
         if (auto fed = self->reader_.feed(std::span(self->chunk_).first(bytes)); !fed)
           return self->close(fed.error().message);
         while (auto frame = self->reader_.next()) {
-          const Status taken = self->events_.frame(std::move(*frame));
+          const Status taken = self->events_.frame(*frame);
           if (self->closed_) return;
           if (self->closing_) break;
           if (!taken) return self->close(taken.error().message);

@@ -18,7 +18,7 @@ class Link : public std::enable_shared_from_this<Link> {
  public:
   struct Events {
     /// An Error closes the link with that sentence.
-    std::function<Status(Frame)> frame;
+    std::function<Status(const FrameView&)> frame;
     std::function<void(const std::string& reason)> closed;
   };
 

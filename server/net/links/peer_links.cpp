@@ -132,10 +132,10 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
     auto peer = std::make_shared<std::optional<PeerId>>();
     const std::weak_ptr<Impl> weak = shared_from_this();
     link->start({
-        [weak, link = link.get(), dialler, timer, peer](Frame frame) -> Status {
+        [weak, link = link.get(), dialler, timer, peer](const FrameView& frame) -> Status {
           const auto self = weak.lock();
           if (!self || self->stopped) return Error{"stopping"};
-          if (*peer) return self->take(**peer, std::move(frame));
+          if (*peer) return self->take(**peer, frame);
           timer->cancel();
           self->meet(link->shared_from_this(), dialler, frame, *peer);
           return Ok{};
@@ -150,7 +150,7 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
   }
 
   /// Judges the other side's first frame; sets `known`, or closes the link.
-  void meet(const std::shared_ptr<Link>& link, const DiallerPtr& dialler, const Frame& frame,
+  void meet(const std::shared_ptr<Link>& link, const DiallerPtr& dialler, const FrameView& frame,
             std::optional<PeerId>& known) {
     if (frame.type == FrameType::refusal) {
       const std::string reason = read_refusal(frame);
@@ -227,7 +227,7 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
     return lowest;
   }
 
-  Status take(PeerId peer, Frame frame) {
+  Status take(PeerId peer, const FrameView& frame) {
     peers.at(peer).heard_us = monotonic_us();
     switch (frame.type) {
       case FrameType::time_request: {
@@ -270,7 +270,7 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
         return Error{"it refused us: " + reason};
       }
       default:
-        return events.frame(peer, std::move(frame));
+        return events.frame(peer, frame);
     }
   }
 

@@ -45,7 +45,7 @@ class PeerLinks {
     std::function<void(PeerId, const PeerHello&)> up;
     std::function<void(PeerId, const std::string& reason)> down;
     /// An Error ends this one link with that sentence, told to the other side as well.
-    std::function<Status(PeerId, Frame)> frame;
+    std::function<Status(PeerId, const FrameView&)> frame;
     /// Whether this server has begun to step (told in the hello).
     std::function<bool()> running;
     /// A peer refused us or is of another world: nothing to retry. Optional.

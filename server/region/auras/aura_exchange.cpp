@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "protocol/wire.h"
 #include "protocol/wire_values.h"
@@ -66,8 +67,8 @@ std::size_t place_of(std::span<const RemoteAura> auras, BodyId id, std::size_t h
                                            : auras.size();
 }
 
-/// Takes out those of the bodies that are there.
-void take_out(std::vector<RemoteAura>& auras, std::vector<BodyId> gone) {
+/// Takes out those of the bodies that are there; sorts `gone`.
+void take_out(std::vector<RemoteAura>& auras, std::vector<BodyId>& gone) {
   if (gone.empty()) return;
   std::sort(gone.begin(), gone.end());
   std::erase_if(auras, [&](const RemoteAura& aura) {
@@ -75,10 +76,12 @@ void take_out(std::vector<RemoteAura>& auras, std::vector<BodyId> gone) {
   });
 }
 
-/// Puts auras in; of several of one body the last one counts.
-void put_in(std::vector<RemoteAura>& auras, std::vector<RemoteAura> told) {
+/// Puts auras in; of several of one body the last one counts. Sorts `told`.
+void put_in(std::vector<RemoteAura>& auras, std::vector<RemoteAura>& told) {
   const auto by_id = [](const RemoteAura& a, const RemoteAura& b) { return a.id < b.id; };
-  std::stable_sort(told.begin(), told.end(), by_id);
+  // Honest servers tell in this order.
+  if (!std::is_sorted(told.begin(), told.end(), by_id))
+    std::stable_sort(told.begin(), told.end(), by_id);
   const auto known = static_cast<std::ptrdiff_t>(auras.size());
   for (std::size_t i = 0; i < told.size(); ++i) {
     if (i + 1 < told.size() && told[i + 1].id == told[i].id) continue;
@@ -107,6 +110,13 @@ void AuraExchange::link_down(RegionId id) {
 
 Result<Tick> AuraExchange::receive(RegionId from, std::span<const std::byte> payload,
                                    std::size_t prototypes, std::size_t regions) {
+  // A sign of life is about nobody.
+  constexpr std::size_t longest_sign_of_life = 64;
+  if (const auto known = peers_.find(from);
+      known != peers_.end() && payload.size() > longest_sign_of_life) {
+    prefetch_beginning(known->second.theirs);
+    prefetch_beginning(known->second.their_slots);
+  }
   const auto* message = verified<wire::Auras>(payload);
   if (message == nullptr) return Error{"an auras message is not valid"};
   if (!is_wire_tick(message->tick()))
@@ -119,15 +129,8 @@ Result<Tick> AuraExchange::receive(RegionId from, std::span<const std::byte> pay
       too_many(message->pulls()) || too_many(message->resting()) ||
       too_many(message->handed_over()))
     return Error::format("more than {} auras in one message", max_auras);
-  struct Moved {
-    std::size_t aura;  ///< Index in `theirs`.
-    const wire::AuraMotion* how;
-  };
-  std::vector<Moved> moved;
-  std::vector<RemoteAura> auras;
-  std::vector<RestingNews> news;
-  std::vector<BodyId> gone;
-  std::vector<HandoverRequest> pulls;
+  heard_.clear();
+  auto& [moved, auras, news, gone, pulls] = heard_;
   Peer& peer = peers_[from];
   if (!peer.heard) news.push_back({RestingNews::Kind::told_all, from, {}});
   if (message->moved() != nullptr) {
@@ -178,7 +181,7 @@ Result<Tick> AuraExchange::receive(RegionId from, std::span<const std::byte> pay
     }
   }
   const Tick told_at{message->tick()};
-  if (auras.empty() && moved.empty() && news.empty() && pulls.empty()) return told_at;
+  if (heard_.empty()) return told_at;
   if (peer.theirs.size() + auras.size() > 4 * max_auras ||
       resting_news_.size() + news.size() > resting_news_max)
     return Error{"a region projects more auras than a world can hold"};
@@ -186,7 +189,7 @@ Result<Tick> AuraExchange::receive(RegionId from, std::span<const std::byte> pay
   peer.heard = true;
   // Slots mean what they meant before this message.
   for (const auto& [aura, how] : moved) take_motion(*how, peer.theirs[aura]);
-  take_out(peer.theirs, std::move(gone));
+  take_out(peer.theirs, gone);
   if (message->auras() != nullptr) {
     for (const auto* aura : *message->auras()) {
       if (aura->slot() == no_slot) continue;
@@ -194,10 +197,10 @@ Result<Tick> AuraExchange::receive(RegionId from, std::span<const std::byte> pay
       peer.their_slots[aura->slot()] = BodyId{aura->id()};
     }
   }
-  put_in(peer.theirs, std::move(auras));
+  put_in(peer.theirs, auras);
   resting_news_.insert(resting_news_.end(), news.begin(), news.end());
   // Only the newest message's requests are still meant: they are repeated until they are met.
-  peer.pulls = std::move(pulls);
+  peer.pulls.swap(pulls);
   changed_ = true;
   return told_at;
 }
@@ -247,8 +250,10 @@ bool AuraExchange::hears_of(RegionId id) const {
   return it != peers_.end() && !it->second.theirs.empty();
 }
 
-std::vector<RestingNews> AuraExchange::take_resting_news() {
-  return std::exchange(resting_news_, {});
+std::span<const RestingNews> AuraExchange::take_resting_news() {
+  taken_news_.clear();
+  taken_news_.swap(resting_news_);
+  return taken_news_;
 }
 
 }  // namespace aureole

@@ -5,13 +5,12 @@
 #include <boost/container/flat_map.hpp>
 #include <cstdint>
 #include <cstring>
-#include <map>
-#include <set>
 #include <span>
 #include <type_traits>
 #include <vector>
 
 #include "protocol/frame.h"
+#include "protocol/frame_pool.h"
 #include "protocol/quantise.h"
 #include "protocol/wire.h"
 #include "server/aura/migration_policy.h"
@@ -64,7 +63,7 @@ class AuraExchange {
   /// body.
   std::vector<HandoverRequest> take_in();
   /// News of resting bodies; the caller's until the next call.
-  std::vector<RestingNews> take_resting_news();
+  std::span<const RestingNews> take_resting_news();
   /// What others project to us now, ascending by body; one entry a body: of two servers that both
   /// claim it the lower number's.
   std::span<const RemoteAura> remote() const { return remote_; }
@@ -86,7 +85,7 @@ class AuraExchange {
   SharedBytes take_frame(RegionId peer);
   /// A message without auras: that we have stepped. Peers hear one or the other as often as
   /// signs_of_life.h says, so that silence means something.
-  static SharedBytes sign_of_life(Tick now);
+  SharedBytes sign_of_life(Tick now);
 
   /// Auras in one message at most; far more than a boundary can hold.
   static constexpr std::size_t max_auras = 65'536;
@@ -156,6 +155,27 @@ class AuraExchange {
       handed_over.clear();
     }
   };
+  /// What one frame that has come says.
+  struct Heard {
+    struct Moved {
+      std::size_t aura;  ///< Index in `theirs`.
+      const wire::AuraMotion* how;
+    };
+    std::vector<Moved> moved;
+    std::vector<RemoteAura> auras;
+    std::vector<RestingNews> news;
+    std::vector<BodyId> gone;
+    std::vector<HandoverRequest> pulls;
+
+    bool empty() const { return auras.empty() && moved.empty() && news.empty() && pulls.empty(); }
+    void clear() {
+      moved.clear();
+      auras.clear();
+      news.clear();
+      gone.clear();
+      pulls.clear();
+    }
+  };
   static Sent as_sent(const ProjectedAura& aura);
   static std::uint16_t take_slot(Peer& peer);
   static void tell(Peer& peer, const Wanted& wanted, Projection& projection, bool known,
@@ -171,10 +191,12 @@ class AuraExchange {
   boost::container::flat_map<RegionId, Peer> peers_;
   std::vector<RemoteAura> remote_;
   std::vector<Told> told_, told_before_, told_by_one_;  ///< Only used within take_in().
+  Heard heard_;                                         ///< Only used within receive().
   std::vector<Sent> sent_;  ///< Only used within announce(), like the next two.
   Message message_;
   flatbuffers::FlatBufferBuilder builder_;
-  std::vector<RestingNews> resting_news_;
+  FramePool frames_{16};  ///< Those of two ticks to eight neighbours.
+  std::vector<RestingNews> resting_news_, taken_news_;
   bool changed_ = true;
 };
 

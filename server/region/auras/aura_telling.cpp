@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "protocol/wire_values.h"
 #include "server/base/check.h"
@@ -156,11 +157,10 @@ SharedBytes AuraExchange::frame_for(Peer& peer, const std::vector<HandoverReques
   const auto handed_over_at = numbers(message.handed_over);
   const auto pulls_at = numbers(asked);
   const auto pulls_to_at = numbers(asked_to);
-  return std::make_shared<const Bytes>(
-      finish_frame(builder,
-                   wire::CreateAuras(builder, now.value, auras_at, resting_at, removed_at,
-                                     handed_over_at, pulls_at, pulls_to_at, moved_at),
-                   FrameType::auras));
+  return frames_.finish(builder,
+                        wire::CreateAuras(builder, now.value, auras_at, resting_at, removed_at,
+                                          handed_over_at, pulls_at, pulls_to_at, moved_at),
+                        FrameType::auras);
 }
 
 AuraExchange::Sent AuraExchange::as_sent(const ProjectedAura& aura) {
@@ -223,9 +223,8 @@ void AuraExchange::announce(Tick now, const MigrationDecision& decision, const A
 }
 
 SharedBytes AuraExchange::sign_of_life(Tick now) {
-  flatbuffers::FlatBufferBuilder builder(64);
-  return std::make_shared<const Bytes>(
-      finish_frame(builder, wire::CreateAuras(builder, now.value), FrameType::auras));
+  builder_.Clear();
+  return frames_.finish(builder_, wire::CreateAuras(builder_, now.value), FrameType::auras);
 }
 
 SharedBytes AuraExchange::take_frame(RegionId id) {

@@ -85,7 +85,7 @@ void RegionCore::snapshot_written(Tick of) {
 
 // ---- Answering those who recover ---------------------------------------------------------------
 
-Status RegionCore::receive_recovery(PeerId from, Peer& peer, const Frame& frame) {
+Status RegionCore::receive_recovery(PeerId from, Peer& peer, const FrameView& frame) {
   if (frame.type == FrameType::recovery_query) {
     if (!from.is_region()) return Error{"a gateway asked for what only regions may know"};
     const auto round = decode_recovery_query(frame.payload);

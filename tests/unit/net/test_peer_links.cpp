@@ -157,8 +157,8 @@ TEST_CASE("a server of another protocol version is refused, and told to run the 
   flatbuffers::FlatBufferBuilder builder;
   const auto hello = wire::CreateHello(builder, protocol_version + 1, world_hash,
                                        wire::Role::region, 1, 1, 0, false);
-  const auto answer =
-      decode_frame(talk_raw(io, a.port, finish_frame(builder, hello, FrameType::hello)));
+  const Bytes heard = talk_raw(io, a.port, finish_frame(builder, hello, FrameType::hello));
+  const auto answer = decode_frame(heard);
   REQUIRE(answer);
   REQUIRE(answer->type == FrameType::refusal);
   REQUIRE(read_refusal(*answer).find("run the same release everywhere") != std::string::npos);
@@ -236,7 +236,8 @@ TEST_CASE("a stranger under the name of a server that we dial does not take its 
   stranger.self = PeerId{0};
   stranger.incarnation = Incarnation{7};
   stranger.world_hash = world_hash;
-  const auto answer = decode_frame(talk_raw(io, b.port, *make_hello(stranger, {}, false)));
+  const Bytes heard = talk_raw(io, b.port, *make_hello(stranger, {}, false));
+  const auto answer = decode_frame(heard);
   REQUIRE(answer);
   REQUIRE(answer->type == FrameType::refusal);
   REQUIRE(b.down.empty());
@@ -302,7 +303,7 @@ TEST_CASE("a peer that falls silent without closing its connection is given up")
   PeerLinks links(io, options, clock,
                   {[](PeerId, const PeerHello&) {},
                    [&](PeerId, const std::string& why) { gone.push_back(why); },
-                   [](PeerId, const Frame&) -> Status { return Ok{}; },
+                   [](PeerId, const FrameView&) -> Status { return Ok{}; },
                    [] { return true; },
                    {}});
   const auto port = *links.listen({"127.0.0.1", 0});

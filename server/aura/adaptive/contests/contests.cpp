@@ -46,14 +46,13 @@ void Contests::find(const MigrationSituation& s, Outlook& outlook, Clusters& clu
   contested_.clear();
   promises_.begin(s);
   neighbourhood_.begin(s, outlook, clusters);
-  std::vector<std::uint32_t> near;
   for (const RemoteAura& aura : s.remote) {
-    visitors.find(aura, near);
-    contested_.resize(outlook.size(), false);
-    for (const std::uint32_t body : near) {
+    visitors.find(aura, near_);
+    contested_.resize(outlook.size(), 0);
+    for (const std::uint32_t body : near_) {
       if ((outlook.rests(body) && aura.resting) || !overlap(aura.room, outlook.aura(body)))
         continue;
-      contested_[body] = true;
+      contested_[body] = 1;
       Meetings& meets = meetings_[clusters.of(body)];
       if (meets.empty() || meets.back() != &aura) meets.push_back(&aura);
     }

@@ -63,7 +63,7 @@ class Contests {
 
   /// Whether a body must be brought together with somebody else's.
   bool is_contested(std::uint32_t body) const {
-    return body < contested_.size() && contested_[body];
+    return body < contested_.size() && contested_[body] != 0;
   }
   /// Of a body whose cluster is known.
   const Company& company_of(std::uint32_t body);
@@ -105,7 +105,8 @@ class Contests {
   /// one.
   std::map<BodyId, Tick> settled_, settled_now_;
   Tick settled_at_{-1'000'000};
-  std::vector<bool> contested_;
+  std::vector<std::uint8_t> contested_;  ///< By number on the stage; grows bit by bit.
+  std::vector<std::uint32_t> near_;      ///< Only used within find().
 };
 
 }  // namespace aureole

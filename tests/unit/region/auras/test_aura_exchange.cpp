@@ -33,7 +33,7 @@ struct Wire {
     from.announce(Tick{++tick}, decision, SomeBodies{});
     const SharedBytes frame = from.take_frame(hearer);
     if (!frame) return {};
-    const Bytes payload = decode_frame(*frame)->payload;
+    const Bytes payload = Frame(*decode_frame(*frame)).payload;
     const auto told = to.receive(teller, payload, prototypes, regions);
     INFO((told ? "" : told.error().message));
     REQUIRE(told);

@@ -107,7 +107,7 @@ TEST_CASE("no damage to a snapshot or an answer is worse than a refusal") {
   }
   answer.players.push_back({PlayerId{4}, 5, 6, BodyId::world(1)});
   const Bytes snapshot = encode_snapshot(small_snapshot(), owner);
-  const Bytes payload = decode_frame(*encode_recovery_answer(answer).front())->payload;
+  const Bytes payload = Frame(*decode_frame(*encode_recovery_answer(answer).front())).payload;
   REQUIRE(decode_recovery_answer(payload, 2, 4));
   for (int n = 0; n < 5000; ++n) {
     Bytes bad = n % 2 == 0 ? snapshot : payload;
@@ -183,7 +183,7 @@ TEST_CASE("an answer of regions or prototypes that this world does not have is r
   RecoveryAnswer answer;
   answer.round = 1;
   answer.states.push_back({body(1), {1, Incarnation{1}, RegionId{1}}});
-  const Bytes payload = decode_frame(*encode_recovery_answer(answer).front())->payload;
+  const Bytes payload = Frame(*decode_frame(*encode_recovery_answer(answer).front())).payload;
   REQUIRE(decode_recovery_answer(payload, 2, 2));
   REQUIRE_FALSE(decode_recovery_answer(payload, 1, 2));
   REQUIRE_FALSE(decode_recovery_answer(payload, 2, 1));
