@@ -19,9 +19,6 @@ constexpr std::int32_t component_zero = component_max / 2;
 constexpr double component_limit = 0.70710678118654752;  // 1/√2
 /// A sum of squares that is so near to one has its root from one step of Newton's method.
 constexpr double near_one = 1e-6;
-/// Past 2^52 doubles have no digits behind the point: adding so much, and taking it away again,
-/// rounds to the nearest whole number, of two the even one.
-constexpr double no_fractions = 0x1.8p52;
 /// In steps of a component, the square of the unit sphere's radius.
 constexpr double radius_squared = 2.0 * component_zero * component_zero;
 

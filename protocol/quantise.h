@@ -61,13 +61,14 @@ inline QuantisedOrientation quantise(const Eigen::Quaternionf& orientation) {
 }
 Eigen::Quaternionf dequantise(const QuantisedOrientation& q);
 
+/// Past 2^52 doubles have no digits behind the point: adding so much rounds to the nearest whole
+/// number, of two the even one, and leaves it in the lowest bits.
+inline constexpr double no_fractions = 0x1.8p52;
+
 /// The nearest cells along the axes as 24 bits each, with what positions outside the limits and NaN
 /// become as in quantise().
 inline std::array<std::uint64_t, 3> cell_bits(const WorldPosition& position) {
   constexpr double cells_max = (1 << 23) - 1, cells_min = -cells_max - 1;
-  // Past 2^52 doubles have no digits behind the point: adding so much rounds to the nearest whole
-  // number, of two the even one, and leaves it in the lowest bits.
-  constexpr double no_fractions = 0x1.8p52;
   std::array<std::uint64_t, 3> bits;
 #ifdef __SSE2__
   // x and y at once; all poses that a server tells of go through here in every tick.

@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -38,10 +37,6 @@ inline Eigen::Quaternionf from_wire(const wire::Quat& q) {
 
 /// Slots of replicas travel in three bytes.
 inline constexpr std::uint32_t slot_codes = 1u << 24;
-inline std::array<std::uint8_t, 3> wire_slot(std::uint32_t slot) {
-  return {static_cast<std::uint8_t>(slot), static_cast<std::uint8_t>(slot >> 8),
-          static_cast<std::uint8_t>(slot >> 16)};
-}
 /// `slot` in its three bytes and `pose` behind it, written as whole words.
 inline wire::ReplicaMotion motion_of(std::uint32_t slot, const QuantisedPose& pose) {
   static_assert(std::endian::native == std::endian::little);

@@ -6,7 +6,7 @@
 
 #include "renderer/bench/demo_scene.h"
 #include "renderer/renderer.h"
-#include "tests/support/compare_images.h"
+#include "tests/support/images/compare_images.h"
 
 namespace aureole::test {
 

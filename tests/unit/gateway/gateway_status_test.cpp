@@ -1,5 +1,5 @@
 // What a whole gateway says of its regions: `/healthz` and `/api/status`.
-#include "tests/unit/gateway/running_gateway.h"
+#include "tests/unit/gateway/support/running_gateway.h"
 
 using namespace aureole;
 using namespace aureole::test;

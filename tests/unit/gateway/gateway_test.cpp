@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "renderer/jpeg_encoder.h"
-#include "tests/unit/gateway/running_gateway.h"
+#include "tests/unit/gateway/support/running_gateway.h"
 
 using namespace aureole;
 using namespace aureole::test;

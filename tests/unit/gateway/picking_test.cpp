@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "tests/support/catch.h"
-#include "tests/unit/gateway/small_world.h"
+#include "tests/unit/gateway/support/small_world.h"
 
 using namespace aureole;
 using namespace aureole::test;

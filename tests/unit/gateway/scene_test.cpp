@@ -3,7 +3,7 @@
 
 #include "server/worlds/region_tiling.h"
 #include "tests/support/catch.h"
-#include "tests/unit/gateway/small_world.h"
+#include "tests/unit/gateway/support/small_world.h"
 
 using namespace aureole;
 using namespace aureole::test;

@@ -59,13 +59,7 @@ Bytes auras(const std::vector<wire::Aura>& list, const std::vector<std::uint64_t
 }
 
 wire::ReplicaMotion motion(std::uint32_t slot, std::uint8_t where) {
-  std::array<std::uint8_t, 9> position{};
-  position[0] = where;
-  const std::array<std::uint8_t, 6> orientation{};
-  const auto name = wire_slot(slot);
-  return {flatbuffers::span<const std::uint8_t, 3>(name.data(), 3),
-          flatbuffers::span<const std::uint8_t, 9>(position.data(), 9),
-          flatbuffers::span<const std::uint8_t, 6>(orientation.data(), 6)};
+  return motion_of(slot, QuantisedPose(WorldPosition{where * position_grid_m, 0, 0}, 0));
 }
 
 wire::ReplicaKey key(std::uint32_t slot, double x) {

@@ -56,12 +56,7 @@ class Update {
   }
   Update& motion(std::uint32_t slot, const WorldPosition& at,
                  const Eigen::Quaternionf& turned = Eigen::Quaternionf::Identity()) {
-    const QuantisedPosition p = quantise(at);
-    const QuantisedOrientation o = quantise(turned);
-    const std::array<std::uint8_t, 3> s = wire_slot(slot);
-    motions_.emplace_back(flatbuffers::span<const std::uint8_t, 3>(s.data(), s.size()),
-                          flatbuffers::span<const std::uint8_t, 9>(p.data(), p.size()),
-                          flatbuffers::span<const std::uint8_t, 6>(o.data(), o.size()));
+    motions_.push_back(motion_of(slot, QuantisedPose(at, orientation_bits(turned))));
     return *this;
   }
   Update& removed(BodyId id, const Version& version) {

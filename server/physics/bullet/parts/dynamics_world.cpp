@@ -10,7 +10,7 @@ namespace aureole {
 namespace {
 
 /// How many objects lie between asking for something and reading it, …
-constexpr int ahead = 4;
+constexpr std::size_t ahead = 4;
 /// … and where all that is done is to see that one sleeps.
 constexpr int far_ahead = 16;
 
@@ -41,7 +41,15 @@ void DynamicsWorld::applyGravity() {
 }
 
 void DynamicsWorld::predictUnconstraintMotion(btScalar dt_s) {
-  for (btRigidBody* body : awake_) {
+  const std::size_t count = awake_.size();
+  const auto proxy = [&](std::size_t n) {
+    return static_cast<const btDbvtProxy*>(awake_[n]->getBroadphaseHandle());
+  };
+  for (std::size_t n = 0; n < count; ++n) {
+    btRigidBody* const body = awake_[n];
+    // For updateAabbs(), which waits for memory, while there is much to compute here.
+    if (n + 3 * ahead < count) prefetch(proxy(n + 3 * ahead), sizeof(btDbvtProxy));
+    if (n + ahead < count) prefetch(proxy(n + ahead)->leaf);
     if (body->isStaticOrKinematicObject()) continue;
     body->applyDamping(dt_s);
     body->predictIntegratedTransform(dt_s, body->getInterpolationWorldTransform());
@@ -65,14 +73,12 @@ void DynamicsWorld::updateAabbs() {
     for (std::uint64_t rest = renewed_[word]; rest != 0; rest &= rest - 1)
       order_.push_back(static_cast<int>(word) * word_bits + std::countr_zero(rest));
 
-  const int count = static_cast<int>(order_.size());
-  const auto object = [&](int n) {
-    return m_collisionObjects[order_[static_cast<std::size_t>(n)]];
-  };
-  const auto proxy = [&](int n) {
+  const std::size_t count = order_.size();
+  const auto object = [&](std::size_t n) { return m_collisionObjects[order_[n]]; };
+  const auto proxy = [&](std::size_t n) {
     return static_cast<const btDbvtProxy*>(object(n)->getBroadphaseHandle());
   };
-  for (int n = 0; n < count; ++n) {
+  for (std::size_t n = 0; n < count; ++n) {
     // Each thing is found through the one that has been asked for before it.
     if (n + 3 * ahead < count) prefetch_object(object(n + 3 * ahead));
     if (n + 2 * ahead < count) prefetch(proxy(n + 2 * ahead), sizeof(btDbvtProxy));

@@ -72,12 +72,14 @@ void PairOrder::fetch_ahead(const btBroadphasePairArray& pairs, std::size_t n) c
     prefetch(pair(m).m_pProxy1);
   }
   if (const std::size_t m = n + 2 * ahead; m < count) {
-    prefetch_object(object_of(pair(m).m_pProxy0));
-    prefetch_object(object_of(pair(m).m_pProxy1));
+    prefetch_activation(object_of(pair(m).m_pProxy0));
+    prefetch_activation(object_of(pair(m).m_pProxy1));
   }
   if (const std::size_t m = n + ahead; m < count) {
-    // Nobody looks at the contacts of two who sleep.
+    // Nobody looks at the contacts of two who sleep, nor at their poses.
     if (!is_awake(pair(m).m_pProxy0) && !is_awake(pair(m).m_pProxy1)) return;
+    prefetch_object(object_of(pair(m).m_pProxy0));
+    prefetch_object(object_of(pair(m).m_pProxy1));
     if (pair(m).m_algorithm != nullptr) prefetch(pair(m).m_algorithm, algorithm_size);
     if (order_[m].manifold != nullptr) prefetch_manifold(order_[m].manifold);
   }

@@ -1,5 +1,5 @@
 // Comparing a drawn image with an expected one, with room for another rasteriser's rounding.
-#include "tests/support/compare_images.h"
+#include "tests/support/images/compare_images.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <ostream>
 #include <sstream>
 
-#include "tests/support/png_file.h"
+#include "tests/support/images/png_file.h"
 
 namespace aureole::test {
 namespace {

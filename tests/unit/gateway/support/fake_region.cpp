@@ -1,11 +1,11 @@
 // The made-up region's ticks, updates and commands.
-#include "tests/unit/gateway/fake_region.h"
+#include "tests/unit/gateway/support/fake_region.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "server/base/check.h"
-#include "tests/unit/gateway/small_world.h"
+#include "tests/unit/gateway/support/small_world.h"
 #include "tests/unit/replica/update.h"
 
 namespace aureole::test {

@@ -1,5 +1,5 @@
 // The world that the gateway's tests share.
-#include "tests/unit/gateway/small_world.h"
+#include "tests/unit/gateway/support/small_world.h"
 
 #include <string>
 #include <utility>

@@ -1,5 +1,5 @@
 // PNG files in and out, for tests.
-#include "tests/support/png_file.h"
+#include "tests/support/images/png_file.h"
 
 #include <png.h>
 

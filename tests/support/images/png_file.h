@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "tests/support/compare_images.h"
+#include "tests/support/images/compare_images.h"
 
 namespace aureole::test {
 

@@ -14,8 +14,8 @@
 #include "server/gateway/web/view_client.h"
 #include "tests/support/catch.h"
 #include "tests/support/http_exchange.h"
-#include "tests/unit/gateway/fake_region.h"
-#include "tests/unit/gateway/small_world.h"
+#include "tests/unit/gateway/support/fake_region.h"
+#include "tests/unit/gateway/support/small_world.h"
 
 namespace aureole::test {
 
