@@ -13,7 +13,8 @@ namespace aureole {
 /// Makes frames that are sent in every tick and read within few. Asking for memory and giving it
 /// back, in every tick anew, takes longer than writing a small frame.
 ///
-/// Of one thread: whoever holds a frame lets go of it in the thread that makes them.
+/// Whoever holds a frame lets go of it in the thread that makes them, or in one that never runs at
+/// the same time.
 class FramePool {
  public:
   /// `frames` (at least 1): of so many the memory is kept; as many as are on their way at a time.
