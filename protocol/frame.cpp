@@ -45,10 +45,6 @@ FrameView cut_out(const FrameHeader& header, std::span<const std::byte> bytes) {
           bytes.subspan(sizeof header, header.payload_bytes)};
 }
 
-}  // namespace
-
-namespace {
-
 FrameHeader header_of(FrameType type, std::uint64_t sequence, std::size_t payload_bytes) {
   const std::size_t padded = (payload_bytes + 7) & ~std::size_t{7};
   AUREOLE_CHECK(padded <= max_payload_bytes, "senders split what does not fit a frame");

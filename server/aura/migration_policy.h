@@ -218,7 +218,7 @@ class MigrationPolicy {
  public:
   virtual ~MigrationPolicy() = default;
   /// Called after every step whose tick is a multiple of interval_ticks(), or the first one after
-  /// such a tick was left out. The caller's until the next call.
+  /// such a tick was left out. What it returns holds until the next call.
   virtual const MigrationDecision& decide(const MigrationSituation& situation) = 0;
   virtual std::int64_t interval_ticks() const { return 1; }
   /// How far from the boundary, and from auras of others, a hosted body is of no interest (m): what

@@ -251,13 +251,12 @@ void RegionCore::remove_strays(Tick) {
       fastest_squared = squared;
       fastest_.body = id;
     }
-    // Written so that a position that is not a number counts as outside, and without a branch for
-    // each comparison. No other server would take a state whose numbers have burst.
-    const WorldPosition& p = state.position;
-    const bool inside = (p.x >= bounds.min.x()) & (p.x <= bounds.max.x()) &
-                        (p.y >= bounds.min.y()) & (p.y <= bounds.max.y()) &
-                        (p.z >= bounds.min.z()) & (p.z <= bounds.max.z());
-    if (inside & clearly_may_travel(state) || (inside && may_travel(state))) continue;
+    const Eigen::Vector3d p = state.position.vector();
+    // Written so that a position that is not a number counts as outside. No other server would take
+    // a state whose numbers have burst.
+    const bool inside = (p.array() >= bounds.min.array()).all() &&
+                        (p.array() <= bounds.max.array()).all() && may_travel(state);
+    if (inside) continue;
     if (id.kind() == BodyId::Kind::avatar && players_.is_avatar_here(id.player()))
       fallen.push_back(id.player());
     else

@@ -110,13 +110,6 @@ void AuraExchange::link_down(RegionId id) {
 
 Result<Tick> AuraExchange::receive(RegionId from, std::span<const std::byte> payload,
                                    std::size_t prototypes, std::size_t regions) {
-  // A sign of life is about nobody.
-  constexpr std::size_t longest_sign_of_life = 64;
-  if (const auto known = peers_.find(from);
-      known != peers_.end() && payload.size() > longest_sign_of_life) {
-    prefetch_beginning(known->second.theirs);
-    prefetch_beginning(known->second.their_slots);
-  }
   const auto* message = verified<wire::Auras>(payload);
   if (message == nullptr) return Error{"an auras message is not valid"};
   if (!is_wire_tick(message->tick()))

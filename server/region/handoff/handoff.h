@@ -1,8 +1,6 @@
 // A group of bodies on its way to another server: as plain data, and as bytes.
 #pragma once
 
-#include <cmath>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -53,22 +51,6 @@ inline constexpr std::size_t max_handoff_bodies = 4096;
 inline constexpr double travel_distance_max_m = 2 * position_limit_m;
 inline constexpr float travel_speed_max = 10'000;
 bool may_travel(const BodyState& state);
-/// The same without a branch and without a root, for who is asked of every body in every step.
-/// False also for some that may: those that may hardly.
-inline bool clearly_may_travel(const BodyState& state) {
-  const WorldPosition& p = state.position;
-  const Eigen::Vector3f &v = state.linear_velocity, &w = state.angular_velocity;
-  const float length_squared = state.orientation.squaredNorm();
-  constexpr float most = std::numeric_limits<float>::max();
-  // What is not a number is never less than anything.
-  return (std::abs(p.x) <= travel_distance_max_m) & (std::abs(p.y) <= travel_distance_max_m) &
-         (std::abs(p.z) <= travel_distance_max_m) & (std::abs(v.x()) <= travel_speed_max) &
-         (std::abs(v.y()) <= travel_speed_max) & (std::abs(v.z()) <= travel_speed_max) &
-         (std::abs(w.x()) <= travel_speed_max) & (std::abs(w.y()) <= travel_speed_max) &
-         (std::abs(w.z()) <= travel_speed_max) & (std::abs(length_squared - 1) <= 1e-3f) &
-         (state.deactivation_time_s >= 0) & (state.deactivation_time_s <= most) &
-         (state.activation <= Activation::asleep);
-}
 /// Contacts that may not are left behind by their sender, and refused by the receiver.
 bool may_travel(const ContactManifold& manifold);
 

@@ -1,5 +1,4 @@
 // Handoffs and commands as bytes: exact when they are honest, refused when they are not.
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -241,49 +240,4 @@ TEST_CASE("a group with more contacts than fit a frame travels with those that f
   REQUIRE(back->bodies.size() == 4);
   REQUIRE(back->contacts.size() > 1000);
   REQUIRE(back->contacts.size() < 40'000);
-}
-
-TEST_CASE("what clearly may travel may travel, and of what may nearly all does so clearly") {
-  constexpr float no_number = std::numeric_limits<float>::quiet_NaN();
-  constexpr float endless = std::numeric_limits<float>::infinity();
-  const float just_too_fast = std::nextafter(travel_speed_max, endless);
-  const std::array<float, 8> awkward{0.0f,    -0.0f,     travel_speed_max, just_too_fast,
-                                     endless, no_number, 1e-40f,           3e38f};
-  std::mt19937 random(11);
-  std::uniform_real_distribution<float> ordinary(-50, 50), part(0, 1);
-  // Most numbers of most states are ordinary, so that each awkward one decides in some of them.
-  const auto any = [&] {
-    const float sign = part(random) < 0.5f ? -1.0f : 1.0f;
-    return part(random) < 0.05f ? sign * awkward[random() % awkward.size()] : ordinary(random);
-  };
-  int may = 0, clearly = 0, may_not = 0;
-  for (int n = 0; n < 100'000; ++n) {
-    BodyState state;
-    state.position = {double{any()}, double{any()}, double{any()}};
-    state.orientation = Eigen::Quaternionf(any(), any(), any(), any()).normalized();
-    if (n % 3 == 0) state.orientation.coeffs() *= 1 + 0.002f * ordinary(random) / 50;
-    state.linear_velocity = {any(), any(), any()};
-    state.angular_velocity = {any(), any(), any()};
-    state.activation = static_cast<Activation>(random() % 4);
-    state.deactivation_time_s = part(random) < 0.9f ? part(random) : any();
-    const bool travels = may_travel(state);
-    REQUIRE((travels || !clearly_may_travel(state)));
-    (travels ? may : may_not) += 1;
-    if (clearly_may_travel(state)) ++clearly;
-  }
-  CHECK(may_not > 10'000);
-  CHECK(clearly > 10'000);
-  CHECK(clearly <= may);
-  CHECK(clearly > may * 8 / 10);  // Not those whose orientation is hardly one.
-
-  BodyState far;
-  far.position.z = -travel_distance_max_m;
-  CHECK(clearly_may_travel(far));
-  far.position.z = std::nextafter(far.position.z, -1e300);
-  CHECK_FALSE(clearly_may_travel(far));
-  BodyState fast;
-  fast.angular_velocity.y() = -travel_speed_max;
-  CHECK(clearly_may_travel(fast));
-  fast.angular_velocity.y() = -just_too_fast;
-  CHECK_FALSE(clearly_may_travel(fast));
 }
