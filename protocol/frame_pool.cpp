@@ -1,6 +1,8 @@
 // Whose turn it is, and whether anybody still reads it.
 #include "protocol/frame_pool.h"
 
+#include "server/base/prefetch.h"
+
 namespace aureole {
 
 SharedBytes FramePool::make(FrameType type, std::uint64_t sequence,
@@ -12,6 +14,8 @@ SharedBytes FramePool::make(FrameType type, std::uint64_t sequence,
   // Whoever still holds that one keeps it.
   if (frame.use_count() != 1) frame = std::make_shared<Bytes>();
   encode_frame_into(*frame, type, sequence, payload);
+  // Nobody has touched the next one for some ticks.
+  if (const auto& next = frames_[next_]) prefetch(next.get());
   return frame;
 }
 

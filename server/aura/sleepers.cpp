@@ -24,7 +24,9 @@ void Sleepers::put(const HostedBody& body) {
 void Sleepers::move_home(const Rectangle& home) {
   home_ = home;
   beyond_.clear();
-  for (const auto& [id, place] : by_id_) note_whether_beyond(place);
+  // Side by side as they lie in memory, not as their names lead to them.
+  for (Place place = 0; place < sleepers_.size(); ++place)
+    if (sleepers_[place].beyond != nobody) note_whether_beyond(place);
 }
 
 void Sleepers::note_whether_beyond(Place place) {
@@ -46,6 +48,7 @@ bool Sleepers::take(BodyId id) {
     beyond_.pop_back();
   }
   by_id_.erase(at);
+  sleepers_[place].beyond = nobody;
   free_.push_back(place);
   return true;
 }

@@ -59,11 +59,12 @@ class Sleepers {
 
  private:
   static constexpr std::uint32_t not_beyond = static_cast<std::uint32_t>(-1);
+  static constexpr std::uint32_t nobody = static_cast<std::uint32_t>(-2);
   struct Sleeper {
     HostedBody body;
     AuraCapsule aura;
     AuraBox box;
-    std::uint32_t beyond = not_beyond;  ///< Its place in `beyond_`.
+    std::uint32_t beyond = nobody;  ///< Its place in `beyond_`; `nobody`: this place is free.
   };
 
   void note_whether_beyond(Place place);

@@ -110,8 +110,9 @@ bool ReplicaPublisher::send_key(Round& round, const NewBody& body, std::uint32_t
 }
 
 bool ReplicaPublisher::send_key(Round& round, BodyId id, std::uint32_t slot) const {
-  return round.keys.size() < keys_per_update &&
-         send_key(round, NewBody{id, round.world.prototype(id), round.world.state(id)}, slot);
+  if (round.keys.size() >= keys_per_update) return false;
+  const BodyGlance seen = round.world.glance(id);
+  return send_key(round, NewBody{id, seen.prototype(), seen.state()}, slot);
 }
 
 /// The next of those followed stays among them. In its place: in nearly every step all of them do,
@@ -266,7 +267,8 @@ std::vector<SharedBytes> ReplicaPublisher::whole_state(Tick now, const PhysicsWo
   std::vector<wire::ReplicaKey> keys;
   for (BodyId id : world.ids()) {
     const std::uint32_t slot = slots_.at(id);
-    keys.push_back(make_key({id, world.prototype(id), world.state(id)}, versions_[slot], slot));
+    const BodyGlance seen = world.glance(id);
+    keys.push_back(make_key({id, seen.prototype(), seen.state()}, versions_[slot], slot));
   }
   // Copies in flight get slots that no motion will ever name.
   std::uint32_t spare = next_slot_;

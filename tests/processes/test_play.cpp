@@ -117,6 +117,24 @@ TEST_CASE("a wrong option is told in one sentence that names the help") {
   REQUIRE(world.err[0].find("see `aureole play --help`") != std::string::npos);
 }
 
+TEST_CASE("a subcommand that does not exist is told beside those that do") {
+  Running top(AUREOLE_BINARY, {"plya", "--regions", "2"});
+  REQUIRE(top.wait_for_end() == "exit code 2");
+  REQUIRE(top.err == std::vector<std::string>{
+                         "aureole: there is no 'plya'; expected one of play, region, gateway, "
+                         "status, bench, simulate, experiment (see `aureole --help`)"});
+  Running scene(AUREOLE_BINARY, {"bench", "nonsense"});
+  REQUIRE(scene.wait_for_end() == "exit code 2");
+  REQUIRE(scene.err.size() == 1);
+  REQUIRE(scene.err[0].rfind("aureole: there is no 'nonsense'; expected one of physics, auras, ",
+                             0) == 0);
+  REQUIRE(scene.err[0].find("see `aureole bench --help`") != std::string::npos);
+  Running none(AUREOLE_BINARY, {"bench"});
+  REQUIRE(none.wait_for_end() == "exit code 2");
+  REQUIRE(none.err.size() == 1);
+  REQUIRE(none.err[0].find("subcommand is required") != std::string::npos);
+}
+
 TEST_CASE(
     "a region that dies at the start is named with its last words, and all others are stopped") {
   const Fakes fakes("r1=die-at-start");

@@ -1,7 +1,9 @@
 // Which bodies go together if one of them goes.
 #pragma once
 
+#include <boost/container/small_vector.hpp>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
 #include <span>
@@ -28,7 +30,8 @@ class Clusters {
   std::optional<Number> known(std::uint32_t body) const;
   std::size_t size() const { return count_; }
   std::span<const std::uint32_t> members(Number cluster) const {
-    return clusters_[cluster].members;
+    const auto& members = clusters_[cluster].members;
+    return {members.data(), members.size()};
   }
 
   /// Whether it has been sent away in this tick.
@@ -41,7 +44,8 @@ class Clusters {
  private:
   static constexpr Number none = static_cast<Number>(-1);
   struct Cluster {
-    std::vector<std::uint32_t> members;
+    /// Most clusters are of one or of few: they need no memory of their own.
+    boost::container::small_vector<std::uint32_t, 8> members;
     bool sent = false;
   };
   void add_companions(std::uint32_t body, std::vector<std::uint32_t>& found) const;
@@ -49,7 +53,9 @@ class Clusters {
   const MigrationSituation* situation_ = nullptr;
   Outlook* outlook_ = nullptr;
   std::vector<Number> of_body_;
-  std::vector<Cluster> clusters_;  ///< The first `count_` of them; the others' memory is kept.
+  /// The first `count_` of them; the others' memory is kept. They stay where they are as more come:
+  /// members() are looked at meanwhile.
+  std::deque<Cluster> clusters_;
   std::size_t count_ = 0;
   std::vector<std::uint32_t> found_;  ///< Only used within of().
   std::map<std::uint32_t, std::vector<std::uint32_t>> followers_;

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "server/base/check.h"
+#include "server/base/prefetch.h"
 
 namespace aureole {
 namespace {
@@ -100,6 +101,9 @@ void SimulatedServer::take_deliveries(SimulatedNetwork& network, Micros now) {
   std::set<End> closed;
   std::vector<Delivery> deliveries = network.take(self_.value, now);
   if (profile_) profile_->enter(StepProfile::Part::wire);
+  // What a socket has been read into is near; what other servers wrote in their turns is not.
+  for (const Delivery& delivery : deliveries)
+    if (delivery.frame) prefetch_beginning(*delivery.frame);
   for (Delivery& delivery : deliveries) {
     const bool gateway = static_cast<std::size_t>(delivery.from) == world_.regions.size();
     const PeerId peer =
