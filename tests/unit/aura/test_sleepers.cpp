@@ -151,6 +151,11 @@ TEST_CASE("who reaches out of the region is known without a search") {
   REQUIRE(sleepers.take(name(1)));
   REQUIRE(sleepers.place_of(name(0)));
   REQUIRE_FALSE(sleepers.place_of(name(1)));
+  // Who is gone is nowhere, also when the region ends elsewhere.
+  sleepers.move_home({14, -inf, 19, inf});
+  REQUIRE(beyond().empty());
+  sleepers.move_home({16, -inf, 19, inf});
+  REQUIRE(beyond() == std::vector{0, 2});
 }
 
 TEST_CASE("places farther away than any world are found and lost again") {
