@@ -53,6 +53,9 @@ inline bool vectors_are_aligned(const wire::Auras& t) {
 inline bool vectors_are_aligned(const wire::ReplicaUpdate& t) {
   return is_aligned(t.keys()) && is_aligned(t.removed()) && is_aligned(t.players());
 }
+inline bool vectors_are_aligned(const wire::RegionStatus& t) {
+  return is_aligned(t.outside());
+}
 inline bool vectors_are_aligned(const wire::RecoveryAnswer& t) {
   return is_aligned(t.traces()) && is_aligned(t.states()) && is_aligned(t.players());
 }

@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "server/base/check.h"
 #include "server/replica/recovery_answer.h"
@@ -103,58 +102,18 @@ Status RegionSubscriber::on_recovery_query(RegionId from, const FrameView& frame
 }
 
 Status RegionSubscriber::on_status(RegionId from, const FrameView& frame) {
-  const auto* status = verified<wire::RegionStatus>(frame.payload);
-  if (!status) return Error{"a region's status cannot be read"};
-  if (!is_wire_tick(status->tick()))
-    return Error::format("a region's status of tick {}; expected at most {} from 0", status->tick(),
-                         wire_tick_max);
-  auto outside = read_outside(*status);
-  if (!outside) return outside.error();
-  auto lines = read_line_news(*status);
-  if (!lines) return lines.error();
-  lines_.hear(from, Tick{status->tick()}, *lines);
+  auto status = decode_status(frame.payload, world_.regions.size());
+  if (!status) return status.error();
+  lines_.hear(from, status->tick, status->lines);
   RegionReport& report = reports_[from.value];
-  report.bodies = status->bodies();
-  report.awake = status->awake();
-  report.frame_ms_p50 = status->frame_us_p50() / 1e3;
-  report.frame_ms_max = status->frame_us_max() / 1e3;
-  report.migrations_in = status->migrations_in();
-  report.migrations_out = status->migrations_out();
-  report.overruns = status->overruns();
-  report.skipped_ticks = status->skipped_ticks();
-  report.removed_strays = status->removed_strays();
-  report.unacknowledged = status->unacknowledged();
-  report.outside = std::move(*outside);
-  report.tolerance_events = status->tolerance_events();
-  report.missed_blows = status->missed_blows();
-  report.whole_looks = status->whole_looks();
-  report.recovering = status->recovering();
+  status->report.up = report.up;
+  report = std::move(status->report);
   return Ok{};
 }
 
 const PartitionMap& RegionSubscriber::map_at(std::int64_t world_us) {
   lines_.move(Tick{world_us / tick_us});
   return lines_.map();
-}
-
-Result<std::vector<ToleranceEvent>> RegionSubscriber::read_outside(
-    const wire::RegionStatus& status) const {
-  std::vector<ToleranceEvent> all;
-  if (status.outside() == nullptr) return all;
-  for (const wire::ToleranceMark* mark : *status.outside()) {
-    const bool known = all.size() < ToleranceEvent::kinds && mark->kind() < ToleranceEvent::kinds &&
-                       mark->peer() < world_.regions.size() && std::isfinite(mark->value()) &&
-                       std::isfinite(mark->limit());
-    if (!known) return Error{"a region's status marks a tolerance that cannot be"};
-    all.push_back({ToleranceEvent::Kind{mark->kind()},
-                   true,
-                   Tick{mark->tick()},
-                   RegionId{mark->peer()},
-                   {},
-                   mark->value(),
-                   mark->limit()});
-  }
-  return all;
 }
 
 bool RegionSubscriber::is_complete(RegionId region) const {

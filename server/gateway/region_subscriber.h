@@ -15,26 +15,11 @@
 #include "server/net/links/peer_links.h"
 #include "server/net/world_clock.h"
 #include "server/region/lines/home_lines.h"
-#include "server/region/tolerances/tolerances.h"
+#include "server/region/status/status_message.h"
 #include "server/replica/replica_store.h"
 #include "server/worlds/world.h"
 
 namespace aureole {
-
-/// What a region last said of itself; see RegionStatus in protocol/messages.fbs.
-struct RegionReport {
-  bool up = false;  ///< Linked.
-  std::uint32_t bodies = 0, awake = 0;
-  double frame_ms_p50 = 0, frame_ms_max = 0;
-  std::uint64_t migrations_in = 0, migrations_out = 0;
-  std::uint64_t overruns = 0, skipped_ticks = 0, removed_strays = 0;
-  std::uint32_t unacknowledged = 0;
-  /// Tolerances that are not kept now, of each kind the worst; see Tolerances::outside().
-  std::vector<ToleranceEvent> outside;
-  std::uint64_t tolerance_events = 0;
-  std::uint64_t missed_blows = 0, whole_looks = 0;
-  bool recovering = false;  ///< Started again after a death; simulates nothing yet.
-};
 
 struct RegionSubscriberOptions {
   std::uint16_t gateway = 0;
@@ -76,13 +61,12 @@ class RegionSubscriber {
   /// Where regions end at this world time, as far as has been heard; see HomeLines. Valid until it
   /// is asked again. Time goes forwards.
   const PartitionMap& map_at(std::int64_t world_us);
-  /// By region number, one for each region of the world.
+  /// What each last said of itself: by region number, one for each region of the world.
   const std::vector<RegionReport>& reports() const { return reports_; }
 
  private:
   Status on_frame(PeerId from, const FrameView& frame);
   Status on_status(RegionId from, const FrameView& frame);
-  Result<std::vector<ToleranceEvent>> read_outside(const wire::RegionStatus& status) const;
   Status on_recovery_query(RegionId from, const FrameView& frame);
   void on_up(PeerId peer);
   void on_down(PeerId peer, const std::string& reason);

@@ -8,6 +8,7 @@
 #include "server/base/check.h"
 #include "server/base/hash.h"
 #include "server/region/signs_of_life.h"
+#include "server/region/status/status_message.h"
 #include "server/worlds/region_tiling.h"
 
 namespace aureole {
@@ -195,18 +196,12 @@ Status RegionCore::receive(PeerId from, const FrameView& frame) {
       return Ok{};
     }
     case FrameType::region_status: {
-      const auto* message = verified<wire::RegionStatus>(frame.payload);
-      if (message == nullptr) return Error{"a region status is not a valid message"};
-      if (!is_wire_tick(message->tick()))
-        return Error::format("a region status of tick {}; expected at most {} from 0",
-                             message->tick(), wire_tick_max);
-      const auto lines = read_line_news(*message);
-      if (!lines) return lines.error();
-      peer.bodies = message->bodies();
-      note_awake(from.as_region(), message->awake());
-      load_levels_.hear(from.as_region(), Tick{message->tick()},
-                        {message->level(), message->next_level()});
-      home_lines_.hear(from.as_region(), Tick{message->tick()}, *lines);
+      const auto status = decode_status(frame.payload, map_.size());
+      if (!status) return status.error();
+      peer.bodies = status->report.bodies;
+      note_awake(from.as_region(), status->report.awake);
+      load_levels_.hear(from.as_region(), status->tick, status->level);
+      home_lines_.hear(from.as_region(), status->tick, status->lines);
       return Ok{};
     }
     default:

@@ -1,6 +1,8 @@
 // Payloads that were cut short, bent or shifted: refused, or read without leaving the buffer.
 #include "protocol/wire_values.h"
 
+#include <cstring>
+
 #include "tests/support/catch.h"
 
 using namespace aureole;
@@ -159,22 +161,39 @@ TEST_CASE("A payload that does not lie at a multiple of 8 is refused") {
   CHECK(verified<wire::Effects>(good) != nullptr);
 }
 
-TEST_CASE("A vector whose elements do not lie at multiples of 8 is refused") {
-  // By hand, as no builder makes this: root table at 16 with its vtable at 8 and one vector of
-  // 64-bit removals, whose length lies at `length_at`.
-  const auto effects = [](std::uint32_t length_at) {
-    std::vector<std::uint32_t> words(12, 0);
-    words[0] = 16;              // root
-    words[2] = 8 | (8u << 16);  // vtable: 8 bytes long, table of 8 bytes,
-    words[3] = 0 | (4u << 16);  // no blasts, removals 4 bytes in
-    words[4] = 8;               // table: vtable lies 8 bytes before
-    words[5] = length_at - 20;  // removals
-    words[length_at / 4] = 1;   // one of them
-    const auto bytes = std::as_bytes(std::span(words));
-    return Bytes(bytes.begin(), bytes.end());
+namespace {
+
+/// A table with one vector of one element, all zeros, by hand, as no builder makes it: the vtable
+/// at 8, the table behind it, the vector's length at `length_at`, its element behind that.
+Bytes with_vector(flatbuffers::voffset_t field, std::size_t length_at, std::size_t element_bytes) {
+  constexpr std::size_t vtable = 8;
+  const std::size_t vtable_bytes = field + 2u, table = (vtable + vtable_bytes + 3) / 4 * 4;
+  Bytes bytes((length_at + 4 + element_bytes + 7) / 8 * 8);
+  const auto put = [&](std::size_t at, auto number) {
+    std::memcpy(bytes.data() + at, &number, sizeof(number));
   };
-  const Bytes aligned = effects(28);
-  REQUIRE(verified<wire::Effects>(aligned) != nullptr);
-  REQUIRE(verified<wire::Effects>(aligned)->removals()->size() == 1);
-  CHECK(verified<wire::Effects>(effects(24)) == nullptr);
+  put(0, static_cast<std::uint32_t>(table));  // root
+  put(vtable, static_cast<std::uint16_t>(vtable_bytes));
+  put(vtable + 2, std::uint16_t{8});      // how long the table is
+  put(vtable + field, std::uint16_t{4});  // where in it the vector is named
+  put(table, static_cast<std::int32_t>(table - vtable));
+  put(table + 4, static_cast<std::uint32_t>(length_at - (table + 4)));
+  put(length_at, std::uint32_t{1});
+  return bytes;
+}
+
+}  // namespace
+
+TEST_CASE("A vector whose elements do not lie at multiples of 8 is refused") {
+  const Bytes effects = with_vector(wire::Effects::VT_REMOVALS, 28, 8);
+  REQUIRE(verified<wire::Effects>(effects) != nullptr);
+  REQUIRE(verified<wire::Effects>(effects)->removals()->size() == 1);
+  CHECK(verified<wire::Effects>(with_vector(wire::Effects::VT_REMOVALS, 24, 8)) == nullptr);
+
+  constexpr std::size_t mark = sizeof(wire::ToleranceMark);
+  const Bytes status = with_vector(wire::RegionStatus::VT_OUTSIDE, 60, mark);
+  REQUIRE(verified<wire::RegionStatus>(status) != nullptr);
+  REQUIRE(verified<wire::RegionStatus>(status)->outside()->size() == 1);
+  CHECK(verified<wire::RegionStatus>(with_vector(wire::RegionStatus::VT_OUTSIDE, 64, mark)) ==
+        nullptr);
 }
