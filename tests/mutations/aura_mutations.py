@@ -344,4 +344,12 @@ MUTATIONS = [
         "",
         ((AURA, "who was born abroad stays until news of it has come and gone"),),
     ),
+    Mutation(
+        "sleeper-that-is-gone",
+        "a place that nobody sleeps in any more is beyond the boundary when that has moved",
+        "server/aura/sleepers.cpp",
+        "  sleepers_[place].beyond = nobody;\n",
+        "",
+        ((AURA, "who reaches out of the region is known without a search"),),
+    ),
 ]

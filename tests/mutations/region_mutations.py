@@ -343,4 +343,12 @@ MUTATIONS = [
         "  if (stand_ins.size() != stand_ins_.size()) {\n",
         ((REGION, "a stand-in that is lost while another one comes elsewhere is lost all the same"),),
     ),
+    Mutation(
+        "mark-of-any-tick",
+        "a tolerance may have been left at a tick that no clock reaches",
+        "server/region/status/status_message.cpp",
+        "!is_wire_tick(mark->tick()) || ",
+        "",
+        ((REGION, "a status that cannot be is refused with what is wrong in it"),),
+    ),
 ]
