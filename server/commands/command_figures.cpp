@@ -192,7 +192,7 @@ void add_experiment_figures(CLI::App& experiment, int& exit_code) {
   command
       ->add_option("--jobs", o->jobs,
                    "Runs at a time. They take caches and memory from each other: frame times that\n"
-                   "go into a figure want 1")
+                   "go into a figure want 1. Where there are more processors each has one to itself")
       ->capture_default_str()
       ->check(CLI::Range(1, 64));
   command->add_flag("--plots-only", o->plots_only, "Only draw and judge what lies in DIR/runs");

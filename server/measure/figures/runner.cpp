@@ -8,8 +8,10 @@
 #include <csignal>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <thread>
 
+#include "server/measure/figures/own_processors.h"
 #include "server/measure/figures/run_files.h"
 #include "server/play/child_process.h"
 
@@ -30,13 +32,17 @@ struct Job {
   ChildProcess process;
   std::deque<std::string> lines;  ///< The last ones that it said.
   double began_s;
+  std::optional<int> processor;  ///< That it has to itself.
 };
 
 class Runner {
  public:
   Runner(const std::vector<PlannedRun>& plan, const RunnerOptions& options,
          const RunnerReport& report)
-      : options_(options), report_(report), all_(plan.size()) {
+      : options_(options),
+        report_(report),
+        all_(plan.size()),
+        processors_(static_cast<std::size_t>(options.jobs)) {
     for (const PlannedRun& run : plan) {
       if (is_there(run)) {
         ++outcome_.already;
@@ -85,7 +91,8 @@ class Runner {
     arguments.insert(arguments.end(), {"--json", part.string()});
     auto process = ChildProcess::start(options_.executable, arguments);
     if (!process) return process.error();
-    jobs_.push_back({&run, std::move(part), std::move(*process), {}, now_s()});
+    const std::optional<int> processor = processors_.take(process->pid());
+    jobs_.push_back({&run, std::move(part), std::move(*process), {}, now_s(), processor});
     return Ok{};
   }
 
@@ -121,6 +128,7 @@ class Runner {
       std::error_code problem;
       std::filesystem::remove(job.part, problem);
       if (!kept) return kept.error();
+      processors_.give_back(job.processor);
       cost_left_ -= job.run->cost();
       cost_done_ += job.run->cost();
       jobs_.erase(jobs_.begin() + static_cast<std::ptrdiff_t>(i));
@@ -182,6 +190,7 @@ class Runner {
   const RunnerOptions& options_;
   const RunnerReport& report_;
   std::size_t all_;
+  OwnProcessors processors_;
   std::deque<const PlannedRun*> waiting_;
   std::vector<Job> jobs_;
   RunnerOutcome outcome_;
