@@ -14,16 +14,20 @@ namespace {
 constexpr std::size_t regions = 4;
 constexpr double edge_m = 150;
 
+/// The n-th of `count` ranges of a row that has no ends.
+void put(Rectangle& area, double Rectangle::*min, double Rectangle::*max, std::size_t n,
+         std::size_t count) {
+  if (n > 0) area.*min = static_cast<double>(n) * edge_m;
+  if (n + 1 < count) area.*max = static_cast<double>(n + 1) * edge_m;
+}
+
 /// In a row, or around the point in which four meet.
 PartitionMap a_map(bool corner) {
   std::vector<Rectangle> areas(regions);
   for (std::size_t k = 0; k < regions; ++k) {
-    const double column = static_cast<double>(corner ? k % 2 : k);
-    if (corner || k > 0) areas[k].min_x = column * edge_m;
-    if (corner || k + 1 < regions) areas[k].max_x = (column + 1) * edge_m;
-    if (!corner) continue;
-    areas[k].min_z = static_cast<double>(k / 2) * edge_m;
-    areas[k].max_z = areas[k].min_z + edge_m;
+    const std::size_t columns = corner ? 2 : regions;
+    put(areas[k], &Rectangle::min_x, &Rectangle::max_x, k % columns, columns);
+    put(areas[k], &Rectangle::min_z, &Rectangle::max_z, k / columns, regions / columns);
   }
   return PartitionMap(std::move(areas));
 }

@@ -37,13 +37,14 @@ Status read_outside(const wire::RegionStatus& status, std::size_t regions,
 
 }  // namespace
 
-Result<StatusMessage> decode_status(std::span<const std::byte> payload, std::size_t regions) {
+Result<RegionStatusMessage> decode_status(std::span<const std::byte> payload, std::size_t regions) {
   const auto* told = verified<wire::RegionStatus>(payload);
   if (told == nullptr) return Error{"a region's status is not a valid message"};
   if (!is_wire_tick(told->tick()))
     return Error::format("a region's status of tick {}; expected at most {} from 0", told->tick(),
                          wire_tick_max);
-  StatusMessage status{.tick = Tick{told->tick()}, .level = {told->level(), told->next_level()}};
+  RegionStatusMessage status{.tick = Tick{told->tick()},
+                             .level = {told->level(), told->next_level()}};
   RegionReport& report = status.report;
   if (auto read = read_outside(*told, regions, report.outside); !read) return read.error();
   auto lines = read_line_news(*told);

@@ -29,7 +29,7 @@ struct RegionReport {
   bool recovering = false;  ///< Started again after a death; simulates nothing yet.
 };
 
-struct StatusMessage {
+struct RegionStatusMessage {
   Tick tick;
   RegionReport report{};
   LoadLevels::Told level;  ///< By which servers take their order.
@@ -38,6 +38,6 @@ struct StatusMessage {
 
 /// Of a world of so many regions. Errors: what cannot be read, ticks beyond is_wire_tick(),
 /// tolerances of unknown kinds or regions or with numbers that are none, a crowd of another size.
-Result<StatusMessage> decode_status(std::span<const std::byte> payload, std::size_t regions);
+Result<RegionStatusMessage> decode_status(std::span<const std::byte> payload, std::size_t regions);
 
 }  // namespace aureole
