@@ -3,20 +3,22 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
 #include "server/commands/commands.h"
 
 namespace {
 
-/// As far as the command line could be read: the app, or the subcommand that it names.
-const CLI::App& innermost(const CLI::App& app) {
-  const auto named = app.get_subcommands();
-  return named.empty() ? app : innermost(*named.front());
+/// As far as the command line could be read: the app, and the subcommands that it names.
+std::vector<const CLI::App*> named_by(const CLI::App& app) {
+  std::vector<const CLI::App*> path{&app};
+  for (auto next = app.get_subcommands(); !next.empty(); next = next.front()->get_subcommands())
+    path.push_back(next.front());
+  return path;
 }
 
 /// CLI11 says of a subcommand that does not exist that one is required.
-std::string what_is_wrong(const CLI::App& app, const CLI::ParseError& error) {
-  const CLI::App& read = innermost(app);
+std::string what_is_wrong(const CLI::App& read, const CLI::ParseError& error) {
   const auto known = read.get_subcommands([](const CLI::App*) { return true; });
   const auto rest = read.remaining();
   if (known.empty() || rest.empty() || error.get_name() != "RequiredError") return error.what();
@@ -53,9 +55,10 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& asked) {  // --help and --version end the parsing this way
     return app.exit(asked);
   } catch (const CLI::ParseError& wrong) {
-    fmt::print(
-        stderr, "aureole: {} (see `aureole {}--help`)\n", what_is_wrong(app, wrong),
-        app.get_subcommands().empty() ? "" : app.get_subcommands().front()->get_name() + " ");
+    const auto path = named_by(app);
+    std::string help = "aureole ";
+    for (std::size_t n = 1; n < path.size(); ++n) help += path[n]->get_name() + " ";
+    fmt::print(stderr, "aureole: {} (see `{}--help`)\n", what_is_wrong(*path.back(), wrong), help);
     return aureole::exit_usage;
   }
   return exit_code;

@@ -129,6 +129,10 @@ TEST_CASE("a subcommand that does not exist is told beside those that do") {
   REQUIRE(scene.err[0].rfind("aureole: there is no 'nonsense'; expected one of physics, auras, ",
                              0) == 0);
   REQUIRE(scene.err[0].find("see `aureole bench --help`") != std::string::npos);
+  Running deep(AUREOLE_BINARY, {"experiment", "figures", "--jobs", "0"});
+  REQUIRE(deep.wait_for_end() == "exit code 2");
+  REQUIRE(deep.err.size() == 1);
+  REQUIRE(deep.err[0].find("see `aureole experiment figures --help`") != std::string::npos);
   Running none(AUREOLE_BINARY, {"bench"});
   REQUIRE(none.wait_for_end() == "exit code 2");
   REQUIRE(none.err.size() == 1);

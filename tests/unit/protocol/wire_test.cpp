@@ -123,6 +123,25 @@ void mistreat(const Bytes& good) {
   kept = sum;
 }
 
+/// A table with one vector of one element, all zeros, by hand, as no builder makes it: the vtable
+/// at 8, the table behind it, the vector's length at `length_at`, its element behind that.
+Bytes with_vector(flatbuffers::voffset_t field, std::size_t length_at, std::size_t element_bytes) {
+  constexpr std::size_t vtable = 8;
+  const std::size_t vtable_bytes = field + 2u, table = (vtable + vtable_bytes + 3) / 4 * 4;
+  Bytes bytes((length_at + 4 + element_bytes + 7) / 8 * 8);
+  const auto put = [&](std::size_t at, auto number) {
+    std::memcpy(bytes.data() + at, &number, sizeof(number));
+  };
+  put(0, static_cast<std::uint32_t>(table));  // root
+  put(vtable, static_cast<std::uint16_t>(vtable_bytes));
+  put(vtable + 2, std::uint16_t{8});      // how long the table is
+  put(vtable + field, std::uint16_t{4});  // where in it the vector is named
+  put(table, static_cast<std::int32_t>(table - vtable));
+  put(table + 4, static_cast<std::uint32_t>(length_at - (table + 4)));
+  put(length_at, std::uint32_t{1});
+  return bytes;
+}
+
 }  // namespace
 
 TEST_CASE("The structs of the wire have the sizes that WIRE_FORMAT.md states") {
@@ -160,29 +179,6 @@ TEST_CASE("A payload that does not lie at a multiple of 8 is refused") {
   CHECK(verified<wire::Effects>(std::span(shifted).subspan(4, good.size())) == nullptr);
   CHECK(verified<wire::Effects>(good) != nullptr);
 }
-
-namespace {
-
-/// A table with one vector of one element, all zeros, by hand, as no builder makes it: the vtable
-/// at 8, the table behind it, the vector's length at `length_at`, its element behind that.
-Bytes with_vector(flatbuffers::voffset_t field, std::size_t length_at, std::size_t element_bytes) {
-  constexpr std::size_t vtable = 8;
-  const std::size_t vtable_bytes = field + 2u, table = (vtable + vtable_bytes + 3) / 4 * 4;
-  Bytes bytes((length_at + 4 + element_bytes + 7) / 8 * 8);
-  const auto put = [&](std::size_t at, auto number) {
-    std::memcpy(bytes.data() + at, &number, sizeof(number));
-  };
-  put(0, static_cast<std::uint32_t>(table));  // root
-  put(vtable, static_cast<std::uint16_t>(vtable_bytes));
-  put(vtable + 2, std::uint16_t{8});      // how long the table is
-  put(vtable + field, std::uint16_t{4});  // where in it the vector is named
-  put(table, static_cast<std::int32_t>(table - vtable));
-  put(table + 4, static_cast<std::uint32_t>(length_at - (table + 4)));
-  put(length_at, std::uint32_t{1});
-  return bytes;
-}
-
-}  // namespace
 
 TEST_CASE("A vector whose elements do not lie at multiples of 8 is refused") {
   const Bytes effects = with_vector(wire::Effects::VT_REMOVALS, 28, 8);
