@@ -28,6 +28,7 @@ struct SimulateOptions {
   int bodies = 300;
   std::optional<double> latency_tolerance_ms;
   double level_from = LoadLevels::awake_min;
+  std::optional<double> crowd_share;
   bool check_repeatable = false;
   bool compare_single = true;
   int jobs = 0;
@@ -43,6 +44,7 @@ SimulationOptions of_seed(const SimulateOptions& o, std::uint64_t seed) {
   options.faults = *fault_kinds_from(o.faults);
   options.keep_trail = o.check_repeatable;
   options.pace.level_from = o.level_from;
+  options.pace.crowd_share = o.crowd_share;
   return options;
 }
 
@@ -65,6 +67,7 @@ std::string replay_line(const SimulateOptions& o, std::uint64_t seed) {
   if (o.latency_tolerance_ms)
     line += fmt::format(" --latency-tolerance {}", *o.latency_tolerance_ms);
   if (o.level_from != LoadLevels::awake_min) line += fmt::format(" --level-from {}", o.level_from);
+  if (o.crowd_share) line += fmt::format(" --crowd-share {}", *o.crowd_share);
   return line + (o.check_repeatable ? " --check-repeatable" : "");
 }
 
@@ -300,6 +303,11 @@ void add_simulate(CLI::App& app, int& exit_code) {
                    "regions half as many move lines, and below 128 out of any crowd")
       ->capture_default_str()
       ->check(CLI::Range(1.0, 1e9));
+  command
+      ->add_option("--crowd-share", o->crowd_share,
+                   "In a row of regions lines leave crowds of at most this share of all that is "
+                   "awake, and share out larger ones (else 0.08, or what --level-from says)")
+      ->check(CLI::Range(0.0, 1.0));
   command->add_option("--json", o->json, "Write totals and failures to this file");
   command->add_flag("--check-repeatable", o->check_repeatable,
                     "Run each seed twice and compare their hashes");

@@ -73,14 +73,16 @@ RegionCore::RegionCore(const WorldDefinition& world, RegionId self, Incarnation 
   }
 }
 
-void RegionCore::level_from(double awake) {
+void RegionCore::level_from(double awake, std::optional<double> crowd_share) {
   // Where only two ever meet the line between them is shifted; an order that changes would only
   // make bodies change their owners more often.
   constexpr double never = std::numeric_limits<double>::infinity();
   load_levels_.level_from(map_.has_corners() ? awake : never);
   // A handful of bodies that is to move lines is a large crowd of all there are.
   const bool eager = awake < LoadLevels::awake_min;
-  home_lines_.level_from(awake / 2, eager ? QuietPlaceLimits::none() : QuietPlaceLimits{});
+  QuietPlaceLimits limits = eager ? QuietPlaceLimits::none() : QuietPlaceLimits{};
+  limits.crowd_share = crowd_share.value_or(limits.crowd_share);
+  home_lines_.level_from(awake / 2, limits);
 }
 
 void RegionCore::peer_up(PeerId id, Incarnation incarnation) {

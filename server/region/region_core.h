@@ -104,10 +104,11 @@ class RegionCore {
   const AuraTolerances& tolerances_in_force() const { return tolerances_.limits(); }
 
   /// Servers of a world with corners are ordered by their loads from so many bodies awake on; see
-  /// LoadLevels::awake_min; in a row lines leave crowds from half as many on. Fewer than that are
-  /// for tests: lines then leave any crowd, whoever gets it, and come back if that is far too much
-  /// for it. All servers of a world must agree.
-  void level_from(double awake);
+  /// LoadLevels::awake_min; in a row lines move from half as many on. Fewer than that are for
+  /// tests: lines then leave any crowd, whoever gets it, and come back if that is far too much for
+  /// it. `crowd_share`: they leave those of at most this share of all that is awake instead, and
+  /// share out the others. All servers of a world must agree.
+  void level_from(double awake, std::optional<double> crowd_share = {});
 
   /// From now on what has been taken counts as durable only once it is in a snapshot that has been
   /// written. Without snapshots it counts as durable at once, and is lost if this process dies.

@@ -267,7 +267,7 @@ MUTATIONS = [
         "whole-crowd",
         "a crowd is given away whole, however much of the world it is",
         "server/region/lines/quiet_place.cpp",
-        " || crowd > line.limits.crowd_share * line.all",
+        "  if (crowd > line.limits.crowd_share * line.all) return even_place_m(line);\n",
         "",
         ((REGION, "a crowd that is much of what the world has awake is shared where it lies"),),
     ),

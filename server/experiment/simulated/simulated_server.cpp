@@ -32,7 +32,7 @@ void SimulatedServer::start(SimulatedNetwork& network, Micros now) {
   run([&] { core_ = std::make_unique<RegionCore>(world_, self_, incarnation_); });
   if (pace_.snapshots) core_->enable_snapshots();
   if (pace_.follow_latency) core_->follow_latency();
-  core_->level_from(pace_.level_from);
+  core_->level_from(pace_.level_from, pace_.crowd_share);
   core_->profile_steps(profile_.get());
   if (again) {
     const std::span<const std::byte> snapshot =

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "server/experiment/network/simulated_network.h"
@@ -28,6 +29,8 @@ struct SimulatedPace {
   std::function<void()> before_frame = {};
   /// From so many bodies awake on servers are ordered by their loads.
   double level_from = LoadLevels::awake_min;
+  /// See RegionCore::level_from().
+  std::optional<double> crowd_share = {};
 };
 
 /// Does what server/net/region_server.cpp does, without sockets and clocks: at most two steps in

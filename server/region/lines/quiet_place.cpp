@@ -1,4 +1,5 @@
-// All places are tried; the one that fewest are near to is best, unless that is unfair.
+// All places are tried; the one that fewest are near to is best, unless that is unfair: then the
+// fairest.
 #include "server/region/lines/quiet_place.h"
 
 #include <algorithm>
@@ -15,6 +16,28 @@ constexpr double quiet_share = 0.5;
 constexpr double overload = 1.3;
 /// A metre of the way counts as so many bodies at its end: of two quiet places the nearer one.
 constexpr double bodies_per_m = 0.02;
+
+/// A line that stays in its crowd goes no further than this (m), …
+constexpr double sharing_reach_m = 12;
+/// … and only if the busier side then has so much less, of the mean.
+constexpr double worth_moving = 0.02;
+
+/// Where both sides of a crowd that is shared out have as much to do.
+double even_place_m(const LineSituation& line) {
+  const double far_m = std::min(sharing_reach_m, line.far_m);
+  if (std::abs(line.here_m) > far_m) return line.here_m;
+  double best_m = line.here_m, least = line.busier(line.here_m) - worth_moving * line.mean;
+  const int reach = static_cast<int>(far_m / Crowd::bin_m);
+  for (int i = -reach; i <= reach; ++i) {
+    const double place_m = i * Crowd::bin_m;
+    const double busier = line.busier(place_m) + bodies_per_m * std::abs(place_m - line.here_m);
+    if (busier < least) {
+      least = busier;
+      best_m = place_m;
+    }
+  }
+  return best_m;
+}
 
 }  // namespace
 
@@ -33,8 +56,8 @@ double quiet_place_m(const LineSituation& line) {
   const double here = line.stirs_at(line.here_m);
   const double crowd = line.below_has.between(-crowd_reach_m, crowd_reach_m) +
                        line.above_has.between(-crowd_reach_m, crowd_reach_m);
-  if (here < line.limits.crowd_min || crowd > line.limits.crowd_share * line.all)
-    return line.here_m;
+  if (here < line.limits.crowd_min) return line.here_m;
+  if (crowd > line.limits.crowd_share * line.all) return even_place_m(line);
   double best_m = line.here_m, least = quiet_share * here;
   const int reach = static_cast<int>(line.far_m / Crowd::bin_m);
   for (int i = -reach; i <= reach; ++i) {

@@ -42,9 +42,11 @@ struct LineSituation {
 /// decided about and brought together. It is better off where at most half as many stir. But the
 /// crowd then belongs to one server, and in a row one server is left without any: so only a crowd
 /// of at most 8 % of all that is awake anywhere is given away whole, and only if neither side then
-/// has more than 15 % over the mean of all servers. Any other is shared out by contests, where it
-/// lies (load_balance.h). Who has 30 % too much because of its line is rid of it: the line goes
-/// back to its place in the map. Fewer than 8 bodies are not worth the way.
+/// has more than 15 % over the mean of all servers. A larger one is shared out where it lies: the
+/// line moves inside of it, by at most 12 m, to where the side that has more has least, if that is
+/// 2 % of the mean less than now. What meets at the line contests share out (load_balance.h). Who
+/// has 30 % too much because of its line is rid of it: the line goes back to its place in the map.
+/// Fewer than 8 bodies are not worth the way.
 double quiet_place_m(const LineSituation& line);
 
 /// Whether one of the sides would have far too much, 30 % over the mean, if the line lay there.

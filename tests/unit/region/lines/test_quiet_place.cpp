@@ -47,8 +47,51 @@ TEST_CASE("a crowd that is much of what the world has awake is shared where it l
   LineSituation line = crowded();
   line.below = 80;
   line.all = 499;  // Of which 40 are more than 8 %.
-  CHECK(quiet_place_m(line) == 0);
+  CHECK(quiet_place_m(line) == 8);
   line.all = 501;
+  CHECK(quiet_place_m(line) == 28);
+}
+
+TEST_CASE("a line in a crowd that is shared goes to where both sides have as much to do") {
+  LineSituation line = crowded();
+  line.all = 499;
+  line.below = 96;
+  line.above = 104;  // Four bodies lie in each 4 m.
+  CHECK(quiet_place_m(line) == 4);
+  std::swap(line.below, line.above);
+  CHECK(quiet_place_m(line) == -4);
+  // What other lines bring counts, and so does what has moved already.
+  line.here_m = -4;
+  line.below = line.above = 100;
+  put(line.below_has, -4, -4);
+  put(line.above_has, -4, 4);
+  CHECK(quiet_place_m(line) == -4);
+  line.below = 90;
+  line.above = 110;
+  CHECK(quiet_place_m(line) == 4);
+}
+
+TEST_CASE("it does not move for less than 2 % of the mean, nor further than 12 m or where it may") {
+  LineSituation line = crowded();
+  line.all = 499;
+  line.mean = 200;   // A step of 4 m would take 4 from whoever has more, which is 2 % and a metre's
+  line.below = 192;  // worth too little.
+  line.above = 208;
+  CHECK(quiet_place_m(line) == 8);
+  line.below = 196;
+  line.above = 204;
+  CHECK(quiet_place_m(line) == 0);
+  line.below = 40;
+  line.above = 160;
+  CHECK(quiet_place_m(line) == 12);
+  line.far_m = 5;
+  CHECK(quiet_place_m(line) == 4);
+  line.far_m = 3;
+  CHECK(quiet_place_m(line) == 0);
+  // One that has left a crowd which then grew does not come back into it to share it.
+  line.far_m = 45;
+  line.here_m = 28;
+  put(line.above_has, 24, 30);
   CHECK(quiet_place_m(line) == 28);
 }
 
