@@ -79,7 +79,7 @@ class Bars {
   void overhead() {
     const auto share = value_of(Study::fig5, 10, "last_10_s/share_besides_physics");
     add("`adaptive`, columns 10: auras, decisions and wire, last 10 s", "at most 5 % of a frame",
-        share ? fmt::format("{:.1f} %", *share * 100) : "no run",
+        share ? fmt::format("{:.2f} %", *share * 100) : "no run",
         !share           ? Verdict::unknown
         : *share <= 0.05 ? Verdict::passed
                          : Verdict::failed);
