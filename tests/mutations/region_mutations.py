@@ -272,6 +272,14 @@ MUTATIONS = [
         ((REGION, "a crowd that is much of what the world has awake is shared where it lies"),),
     ),
     Mutation(
+        "unshared-crowd",
+        "a line that may not leave its crowd stays where it is, however uneven its sides are",
+        "server/region/lines/quiet_place.cpp",
+        "return even_place_m(line);",
+        "return line.here_m;",
+        ((REGION, "a line in a crowd that is shared goes to where both sides have as much to do"),),
+    ),
+    Mutation(
         "unexpected-gain",
         "what other lines are about to bring does not count",
         "server/region/lines/line_keeper.cpp",

@@ -208,11 +208,12 @@ export function is_thrown(body) {
   return BigInt(body.id) >> 56n === 4n;
 }
 
-/** Waits until `condition` holds. */
+/** Waits until `condition` holds, and returns what it says then. */
 export async function eventually(condition, what, timeout_ms = patience_ms) {
   const until_ms = performance.now() + timeout_ms;
   for (;;) {
-    if (await condition()) return true;
+    const holds = await condition();
+    if (holds) return holds;
     if (performance.now() > until_ms) throw new Error(`Waited ${timeout_ms / 1000} s for: ${what}`);
     await pause(200);
   }

@@ -74,13 +74,15 @@ TEST_CASE("a line in a crowd that is shared goes to where both sides have as muc
 TEST_CASE("it does not move for less than 2 % of the mean, nor further than 12 m or where it may") {
   LineSituation line = crowded();
   line.all = 499;
-  line.mean = 200;   // A step of 4 m would take 4 from whoever has more, which is 2 % and a metre's
-  line.below = 192;  // worth too little.
+  line.mean = 200;
+  line.below = 192;
   line.above = 208;
   CHECK(quiet_place_m(line) == 8);
-  line.below = 196;
+  line.below = 196;  // 4 m would take 4 from whoever has more, just 2 %; and the way counts.
   line.above = 204;
   CHECK(quiet_place_m(line) == 0);
+  line.mean = 190;
+  CHECK(quiet_place_m(line) == 4);
   line.below = 40;
   line.above = 160;
   CHECK(quiet_place_m(line) == 12);
