@@ -17,8 +17,8 @@ const { playing } = play_fixture();
 const other_width_ms = 5000;
 
 /**
- * Waits until the picture differs from `plain` so that `condition` likes it, and returns by how
- * much; null if the page shows pictures of another width by then, for those cannot be compared.
+ * Waits until the picture differs from `plain` so that `condition` likes it, and returns the
+ * `difference`: null if the page shows pictures of another width by then, which cannot be compared.
  * As long as it takes: the key, the picture after it and its way here are late on a busy machine.
  */
 async function differs(page, plain, condition, what) {
@@ -42,8 +42,9 @@ async function differs(page, plain, condition, what) {
 
 /** Whether it has been seen: false if the page went over to pictures of another width meanwhile. */
 async function comes_and_goes(page, { key, what, change_min }) {
-  const quiet = await quiet_picture(page);
-  const plain = { ...quiet, width: await picture_width(page) };
+  const width = await picture_width(page);
+  const plain = { ...(await quiet_picture(page)), width };
+  if ((await picture_width(page)) !== width) return false;
   await page.keyboard.press(key);
   const shown = await differs(
     page,

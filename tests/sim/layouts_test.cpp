@@ -1,5 +1,6 @@
 // A few short seeds of every layout hold every rule; many long ones are `aureole simulate`'s work.
 #include <algorithm>
+#include <optional>
 #include <set>
 
 #include "server/experiment/simulation.h"
@@ -10,9 +11,11 @@ using namespace aureole;
 namespace {
 
 SeedResult run(const std::string& layout, MigrationMode mode, std::uint64_t seed, FaultKinds faults,
-               double seconds = 8, int bodies = 80, double level_from = LoadLevels::awake_min) {
+               double seconds = 8, int bodies = 80, double level_from = LoadLevels::awake_min,
+               std::optional<double> crowd_share = {}) {
   SimulationOptions options;
   options.pace.level_from = level_from;
+  options.pace.crowd_share = crowd_share;
   options.scenario = {layout, mode, seed, seconds, bodies};
   options.faults = faults;
   auto result = simulate(options);
@@ -82,6 +85,22 @@ TEST_CASE("lines that leave crowds of any size hold every rule too, whatever fai
     for (std::uint64_t seed : {2, 3, 5, 7}) {
       const SeedResult result =
           run(layout, MigrationMode::adaptive, seed, FaultKinds::all, 8, 150, few);
+      INFO(layout << ", " << told(result));
+      CHECK(result.all_rules_held());
+      const SeedResult still = run(layout, MigrationMode::adaptive, seed, FaultKinds::all, 8, 150);
+      different += result.hash != still.hash ? 1 : 0;
+    }
+  }
+  CHECK(different >= 8);
+}
+
+TEST_CASE("lines that share out every crowd where it lies hold every rule too, whatever fails") {
+  constexpr double few = 4;
+  int different = 0;
+  for (const std::string layout : {"column2", "column4", "column6"}) {
+    for (std::uint64_t seed : {2, 3, 5, 7}) {
+      const SeedResult result =
+          run(layout, MigrationMode::adaptive, seed, FaultKinds::all, 8, 150, few, 0.0);
       INFO(layout << ", " << told(result));
       CHECK(result.all_rules_held());
       const SeedResult still = run(layout, MigrationMode::adaptive, seed, FaultKinds::all, 8, 150);

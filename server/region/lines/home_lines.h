@@ -23,7 +23,7 @@ namespace aureole {
 ///
 /// Around corners lines follow the loads of the last quarter of a minute, so that who has more to
 /// do has less ground (PartitionLines::shifts_m()). In a row of regions each goes to where little
-/// happens (line_keeper.h), says its keeper.
+/// happens, or to where a large crowd is shared out evenly, as its keeper says (line_keeper.h).
 ///
 /// What they depend on travels as levels (load_levels.h): loads, 0.25 % apart, or the places of
 /// lines. The lines of a term are the mean of those that the levels of the last four terms ask for,
@@ -36,7 +36,7 @@ class HomeLines {
   enum class Rule : std::uint8_t {
     still,         ///< They stay where the map has them, whatever is told.
     even_loads,    ///< Who has more to do has less ground.
-    quiet_places,  ///< They go where little happens.
+    quiet_places,  ///< They go where little happens, or where a crowd is shared out evenly.
   };
   static Rule rule_in(MigrationMode mode, const PartitionMap& map) {
     if (mode != MigrationMode::adaptive) return Rule::still;

@@ -1,9 +1,10 @@
-// All places are tried; the one that fewest are near to is best, unless that is unfair: then the
-// fairest.
+// All places are tried. If the crowd may be left the one that fewest are near to is best, unless
+// that is unfair; if not the fairest.
 #include "server/region/lines/quiet_place.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace aureole {
 namespace {
@@ -22,21 +23,28 @@ constexpr double sharing_reach_m = 12;
 /// … and only if the busier side then has so much less, of the mean.
 constexpr double worth_moving = 0.02;
 
+/// Of all places up to `far_m` to either side of the line's place in the map the one that costs
+/// least, with the way there, if that is less than `least`; else where the line lies.
+template <class Cost>
+double cheapest_place_m(const LineSituation& line, double far_m, double least, Cost&& cost) {
+  double best_m = line.here_m;
+  const int reach = static_cast<int>(far_m / Crowd::bin_m);
+  for (int i = -reach; i <= reach; ++i) {
+    const double place_m = i * Crowd::bin_m;
+    const double costs = cost(place_m) + bodies_per_m * std::abs(place_m - line.here_m);
+    if (costs >= least) continue;
+    least = costs;
+    best_m = place_m;
+  }
+  return best_m;
+}
+
 /// Where both sides of a crowd that is shared out have as much to do.
 double even_place_m(const LineSituation& line) {
   const double far_m = std::min(sharing_reach_m, line.far_m);
   if (std::abs(line.here_m) > far_m) return line.here_m;
-  double best_m = line.here_m, least = line.busier(line.here_m) - worth_moving * line.mean;
-  const int reach = static_cast<int>(far_m / Crowd::bin_m);
-  for (int i = -reach; i <= reach; ++i) {
-    const double place_m = i * Crowd::bin_m;
-    const double busier = line.busier(place_m) + bodies_per_m * std::abs(place_m - line.here_m);
-    if (busier < least) {
-      least = busier;
-      best_m = place_m;
-    }
-  }
-  return best_m;
+  return cheapest_place_m(line, far_m, line.busier(line.here_m) - worth_moving * line.mean,
+                          [&](double place_m) { return line.busier(place_m); });
 }
 
 }  // namespace
@@ -58,17 +66,10 @@ double quiet_place_m(const LineSituation& line) {
                        line.above_has.between(-crowd_reach_m, crowd_reach_m);
   if (here < line.limits.crowd_min) return line.here_m;
   if (crowd > line.limits.crowd_share * line.all) return even_place_m(line);
-  double best_m = line.here_m, least = quiet_share * here;
-  const int reach = static_cast<int>(line.far_m / Crowd::bin_m);
-  for (int i = -reach; i <= reach; ++i) {
-    const double place_m = i * Crowd::bin_m;
-    const double stirs = line.stirs_at(place_m) + bodies_per_m * std::abs(place_m - line.here_m);
-    if (stirs < least && line.busier(place_m) <= line.limits.load_share_of_mean * line.mean) {
-      least = stirs;
-      best_m = place_m;
-    }
-  }
-  return best_m;
+  return cheapest_place_m(line, line.far_m, quiet_share * here, [&](double place_m) {
+    const bool fair = line.busier(place_m) <= line.limits.load_share_of_mean * line.mean;
+    return fair ? line.stirs_at(place_m) : std::numeric_limits<double>::infinity();
+  });
 }
 
 bool overloads(const LineSituation& line, double place_m) {

@@ -71,7 +71,9 @@ TEST_CASE("a line in a crowd that is shared goes to where both sides have as muc
   CHECK(quiet_place_m(line) == 4);
 }
 
-TEST_CASE("it does not move for less than 2 % of the mean, nor further than 12 m or where it may") {
+TEST_CASE(
+    "for less than 2 % of the mean a crowd is shared out as it is, and no line moves too far for "
+    "it") {
   LineSituation line = crowded();
   line.all = 499;
   line.mean = 200;
