@@ -357,7 +357,7 @@ void RegionCore::publish(Tick now, const SharedBytes& update, const ShellMeasure
   SharedBytes status, sign_of_life;
   if (now.value % status_interval_ticks == 0) {
     note_awake(self_, hosting_.physics().awake_count());
-    home_lines_.note_awake(hosting_.physics().awake());
+    home_lines_.note_awake(hosting_.physics().awake(), awake_everywhere_);
     status = status_frame(now, measured);
   }
   for (auto& [id, peer] : peers_) {

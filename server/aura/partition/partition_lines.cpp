@@ -1,8 +1,9 @@
-// Sides of rectangles that lie at one coordinate move together.
+// Sides of rectangles that lie at one coordinate, and hang together, move together.
 #include "server/aura/partition/partition_lines.h"
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "server/base/check.h"
@@ -10,10 +11,17 @@
 namespace aureole {
 namespace {
 
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
 double mean_load(const std::vector<RegionId>& regions, std::span<const double> loads) {
   double sum = 0;
   for (const RegionId region : regions) sum += loads[region.value];
   return sum / static_cast<double>(regions.size());
+}
+
+void sort_out(std::vector<double>& places) {
+  std::sort(places.begin(), places.end());
+  places.erase(std::unique(places.begin(), places.end()), places.end());
 }
 
 }  // namespace
@@ -28,22 +36,48 @@ void PartitionLines::find_lines(double Rectangle::*min, double Rectangle::*max) 
   std::vector<double> places;
   for (const Rectangle& area : areas_)
     if (std::isfinite(area.*max)) places.push_back(area.*max);
-  std::sort(places.begin(), places.end());
-  places.erase(std::unique(places.begin(), places.end()), places.end());
+  sort_out(places);
   for (std::size_t i = 0; i < places.size(); ++i) {
-    double gap_m = std::numeric_limits<double>::infinity();
+    double gap_m = infinity;
     if (i > 0) gap_m = places[i] - places[i - 1];
     if (i + 1 < places.size()) gap_m = std::min(gap_m, places[i + 1] - places[i]);
-    Line line{
+    const Line line{
         min, max, places[i], std::min(shift_max_m, gap_m / 8), std::min(far_max_m, 0.3 * gap_m),
         {},  {}};
-    for (std::uint16_t k = 0; k < areas_.size(); ++k) {
-      if (areas_[k].*max == line.at_m) line.below.push_back(RegionId{k});
-      if (areas_[k].*min == line.at_m) line.above.push_back(RegionId{k});
+    if (min == &Rectangle::min_z) {
+      add_line(line, {-infinity, infinity});
+      continue;
     }
-    AUREOLE_CHECK(!line.above.empty(), "where an area ends another one begins");
-    lines_.push_back(std::move(line));
+    const std::vector<double> ends = crossings(places[i]);
+    for (std::size_t k = 0; k + 1 < ends.size(); ++k) add_line(line, {ends[k], ends[k + 1]});
   }
+}
+
+/// Where areas on both sides of an x end: where it meets a z that goes on behind it, and where it
+/// ends itself.
+std::vector<double> PartitionLines::crossings(double at_x) const {
+  std::vector<double> below, above, both;
+  for (const Rectangle& area : areas_)
+    for (const double end : {area.min_z, area.max_z}) {
+      if (area.max_x == at_x) below.push_back(end);
+      if (area.min_x == at_x) above.push_back(end);
+    }
+  sort_out(below);
+  sort_out(above);
+  std::set_intersection(below.begin(), below.end(), above.begin(), above.end(),
+                        std::back_inserter(both));
+  return both;
+}
+
+/// Of what lies at the line's place all between two z; nothing, where that place has a gap.
+void PartitionLines::add_line(Line line, Range z) {
+  for (std::uint16_t k = 0; k < areas_.size(); ++k) {
+    if (areas_[k].min_z < z.from || areas_[k].max_z > z.to) continue;
+    if (areas_[k].*line.max == line.at_m) line.below.push_back(RegionId{k});
+    if (areas_[k].*line.min == line.at_m) line.above.push_back(RegionId{k});
+  }
+  AUREOLE_CHECK(line.below.empty() == line.above.empty(), "where an area ends another one begins");
+  if (!line.below.empty()) lines_.push_back(std::move(line));
 }
 
 std::vector<double> PartitionLines::shifts_m(std::span<const double> loads) const {

@@ -10,16 +10,18 @@
 
 namespace aureole {
 
-/// A map whose lines can be moved. A line is everything that lies at one x, or at one z, and moves
-/// as a whole, so that the areas tile the plane as before. It stays so near to its place that the
-/// lines keep their order: who is a neighbour of whom does not change.
+/// A map whose lines can be moved, so that the areas tile the plane as before. All that lies at one
+/// z is one line and moves as a whole. What lies at one x is one line from where it meets a line of
+/// one z on both sides to where it does so again: in each row of a grid the lines between its
+/// regions move by themselves, so that they can make up for any difference between its regions.
+/// Lines stay so near to their places that they keep their order.
 class PartitionLines {
  public:
   /// Lines move by no more than this (m), and by an eighth of the way to the next one.
   static constexpr double shift_max_m = 12;
   /// For one side of a line having twice the mean of both sides to do, the other one nothing (m).
   /// With more than this lines overshoot: what they give away comes only seconds later.
-  static constexpr double gain_m = 400;
+  static constexpr double gain_m = 200;
   /// They move in steps of this (m).
   static constexpr double grain_m = 0.25;
   /// See far_m().
@@ -56,9 +58,14 @@ class PartitionLines {
     std::vector<RegionId> below, above;  ///< Whose areas end here, and whose begin.
   };
   void find_lines(double Rectangle::*min, double Rectangle::*max);
+  struct Range {
+    double from = 0, to = 0;
+  };
+  void add_line(Line line, Range z);
+  std::vector<double> crossings(double at_x) const;
 
   std::vector<Rectangle> areas_;  ///< As the map has them.
-  std::vector<Line> lines_;       ///< Those of one x first; each kind ascending.
+  std::vector<Line> lines_;       ///< Those of one x first, each from its lowest z on; ascending.
 };
 
 }  // namespace aureole

@@ -39,6 +39,14 @@ PartitionMap::PartitionMap(std::vector<Rectangle> areas, std::uint64_t version)
   has_corners_ = finds_corners();
 }
 
+PartitionMap PartitionMap::moved(std::vector<Rectangle> areas) const {
+  AUREOLE_CHECK(areas.size() == areas_.size(), "every region has an area");
+  PartitionMap next(std::move(areas), version_ + 1);
+  next.neighbours_ = neighbours_;
+  next.has_corners_ = has_corners_;
+  return next;
+}
+
 bool PartitionMap::finds_corners() const {
   const auto meets = [&](RegionId a, RegionId b) {
     return std::binary_search(neighbours_[a.value].begin(), neighbours_[a.value].end(), b);

@@ -30,6 +30,9 @@ class PartitionMap {
   RegionId region_at(double x, double z) const;
   /// Regions whose areas come within `radius` of the point, ascending.
   std::vector<RegionId> regions_within(double x, double z, double radius) const;
+  /// The next version of the map, with lines moved. Who has been a neighbour stays one, though two
+  /// regions that met at a corner may have none in common any more.
+  PartitionMap moved(std::vector<Rectangle> areas) const;
   /// Regions that share an edge or a corner with `region`, ascending.
   const std::vector<RegionId>& neighbours(RegionId region) const {
     return neighbours_[region.value];

@@ -33,9 +33,15 @@ HomeLines::HomeLines(const PartitionMap& map, RegionId self, Rule rule)
       keepers_near_.push_back(lines_.below(i).front());
 }
 
-void HomeLines::note_awake(std::span<const NewBody> awake) {
+void HomeLines::note_awake(std::span<const NewBody> awake, std::span<const double> everywhere) {
   awake_now_ = static_cast<double>(awake.size());
-  load_.note_awake(awake_now_);
+  double sum = 0, count = 0;
+  for (const double load : everywhere) {
+    if (!levels_.counts(load)) continue;
+    sum += load;
+    ++count;
+  }
+  load_.note_awake(everywhere[self_.value], count > 0 ? sum / count : 0);
   if (rule_ == Rule::quiet_places) keeper_.note_awake(awake);
 }
 
@@ -175,7 +181,7 @@ bool HomeLines::move(Tick now) {
   bool same = true;
   for (std::uint16_t k = 0; k < map_.size(); ++k) same &= areas[k] == map_.area(RegionId{k});
   if (same) return surer;
-  map_ = PartitionMap(std::move(areas), map_.version() + 1);
+  map_ = map_.moved(std::move(areas));
   return true;
 }
 

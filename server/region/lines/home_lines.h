@@ -54,8 +54,9 @@ class HomeLines {
     keeper_.look_from(awake, limits);
   }
 
-  /// At every status of ours: who is awake here.
-  void note_awake(std::span<const NewBody> awake);
+  /// At every status of ours: who is awake here; and how many are anywhere, by region, the mean of
+  /// the last second.
+  void note_awake(std::span<const NewBody> awake, std::span<const double> everywhere);
   /// What our next status says. `lately`: the mean of the last second, in bodies awake: who has
   /// calmed down has no load at once, and for some seconds, whatever wakes.
   LineNews tell(Tick now, double lately);

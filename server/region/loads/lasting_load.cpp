@@ -2,14 +2,23 @@
 #include "server/region/loads/lasting_load.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "server/region/loads/smoothing.h"
 
 namespace aureole {
 namespace {
 
-/// The load follows what is awake in so many statuses: 20 s.
+/// The mean follows what is awake in so many statuses: 20 s.
 constexpr double looks_in_mind = 78;
+
+/// What has been too much for so many statuses, 30 s, counts in full. Lines answer some 7 s later:
+/// with less they would overshoot.
+constexpr double looks_to_sum_up = 117;
+
+/// A difference counts as no more than this; and what it has come to goes back by itself in two
+/// minutes, and is never more than that, so that what is over is soon forgotten.
+constexpr double difference_max = 0.2, excess_max = 0.25, looks_to_forget = 469;
 
 /// A load is no more than this many times what it was lately.
 constexpr double calm_factor = 2;
@@ -19,13 +28,21 @@ constexpr std::int64_t lasting_ticks = 625;
 
 }  // namespace
 
-void LastingLoad::note_awake(double awake) {
-  awake_ += (awake - awake_) * share_of_newest(++looks_, looks_in_mind);
+void LastingLoad::note_awake(double lately, double mean) {
+  mean_ += (mean - mean_) * share_of_newest(++looks_, looks_in_mind);
+  excess_ -= excess_ / looks_to_forget;
+  if (lately <= 0 || mean <= 0) return;
+  const double difference = std::clamp(std::log(lately / mean), -difference_max, difference_max);
+  excess_ = std::clamp(excess_ + difference / looks_to_sum_up, -excess_max, excess_max);
 }
 
 double LastingLoad::tell(Tick now, double lately, const LoadLevels& levels) {
-  if (counted_ && !levels.counts(lately)) calm_ = now;
-  told_ = calm_ && now - *calm_ < lasting_ticks ? 0 : std::min(awake_, calm_factor * lately);
+  if (counted_ && !levels.counts(lately)) {
+    calm_ = now;
+    excess_ = 0;
+  }
+  const bool calm = calm_ && now - *calm_ < lasting_ticks;
+  told_ = calm ? 0 : std::min(mean_ * std::exp(excess_), calm_factor * lately);
   counted_ = counted_ || levels.counts(told_);
   return told_;
 }
