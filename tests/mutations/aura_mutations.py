@@ -329,6 +329,22 @@ MUTATIONS = [
         ((AURA, "a line lies still where one side has nothing to do, and moves*"),),
     ),
     Mutation(
+        "joined-rows",
+        "all lines of one x move as one, whatever the regions of each row have to do",
+        "server/aura/partition/partition_lines.cpp",
+        "    const std::vector<double> ends = crossings(places[i]);\n",
+        "    const std::vector<double> ends{-infinity, infinity};\n",
+        ((AURA, "in each row of a grid lines move by what its own regions have to do"),),
+    ),
+    Mutation(
+        "parted-at-a-corner",
+        "two regions that meet at a corner are no neighbours any more when lines there move",
+        "server/aura/partition/partition_map.cpp",
+        "  next.neighbours_ = neighbours_;\n",
+        "",
+        ((AURA, "wherever lines lie, areas tile the plane, and neighbours are the same"),),
+    ),
+    Mutation(
         "home-of-visitors",
         "what a visitor leans on is not told to the region that the visitor lies in",
         "server/aura/adaptive/visitors.cpp",

@@ -35,6 +35,8 @@ HomeLines::HomeLines(const PartitionMap& map, RegionId self, Rule rule)
 
 void HomeLines::note_awake(std::span<const NewBody> awake, std::span<const double> everywhere) {
   awake_now_ = static_cast<double>(awake.size());
+  if (rule_ == Rule::quiet_places) keeper_.note_awake(awake);
+  if (rule_ != Rule::even_loads) return;
   double sum = 0, count = 0;
   for (const double load : everywhere) {
     if (!levels_.counts(load)) continue;
@@ -42,7 +44,6 @@ void HomeLines::note_awake(std::span<const NewBody> awake, std::span<const doubl
     ++count;
   }
   load_.note_awake(everywhere[self_.value], count > 0 ? sum / count : 0);
-  if (rule_ == Rule::quiet_places) keeper_.note_awake(awake);
 }
 
 /// Levels of lines: 0 is the place in the map, then steps up and down in turns.

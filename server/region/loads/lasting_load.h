@@ -28,8 +28,8 @@ class LastingLoad {
   double told() const { return told_; }
 
  private:
-  double mean_ = 0;    ///< Smoothed.
-  double excess_ = 0;  ///< Of our load over the mean (natural logarithm), summed up over 30 s.
+  double own_ = 0, mean_ = 0;  ///< Smoothed.
+  double excess_ = 0;          ///< Of our load over the mean (natural logarithm), summed up over 30 s.
   std::int64_t looks_ = 0;
   double told_ = 0;
   bool counted_ = false;      ///< There has been a load that counts.

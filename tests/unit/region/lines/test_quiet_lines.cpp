@@ -53,7 +53,7 @@ struct Servers {
   }
   void tell(Tick now, std::optional<RegionId> deaf) {
     for (std::uint16_t k = 0; k < 3; ++k) {
-      all[k].note_awake(nobody_is_awake ? std::vector<NewBody>{} : awake(k));
+      all[k].note_awake(nobody_is_awake ? std::vector<NewBody>{} : awake(k), {});
       const LineNews told = all[k].tell(now, 0);
       for (std::uint16_t other = 0; other < 3; ++other)
         if (other != k && deaf != RegionId{other} && deaf != RegionId{k})
