@@ -21,16 +21,16 @@ namespace aureole {
 /// Bodies are born, players come and recovery takes place by the world's own map; where a body is
 /// at home, and who decides about what meets, goes by the lines in force.
 ///
-/// Around corners lines follow the loads of the last quarter of a minute, so that who has more to
-/// do has less ground (PartitionLines::shifts_m()). In a row of regions each goes to where little
-/// happens, or to where a large crowd is shared out evenly, as its keeper says (line_keeper.h).
+/// Around corners lines give way to who has had more to do (lasting_load.h), until all have as much
+/// (PartitionLines::shifts_m()). In a row of regions each goes to where little happens, or to where
+/// a large crowd is shared out evenly, as its keeper says (line_keeper.h).
 ///
-/// What they depend on travels as levels (load_levels.h): loads, 0.25 % apart, or the places of
-/// lines. The lines of a term are the mean of those that the levels of the last four terms ask for,
-/// so that no more is given away at once than a quarter of the way. They depend on levels and on
-/// nothing else: whoever has heard of all of them has the same lines at the same tick. Who has not
-/// knows it, and keeps a margin (margin_m()): of two servers that disagree at least one tells the
-/// other of everything that either may have at its own home.
+/// What they depend on travels as levels (load_levels.h): how hard each server pushes, 0.25 %
+/// apart, or the places of lines. The lines of a term are the mean of those that the levels of the
+/// last four terms ask for, so that no more is given away at once than a quarter of the way. They
+/// depend on levels and on nothing else: whoever has heard of all of them has the same lines at the
+/// same tick. Who has not knows it, and keeps a margin (margin_m()): of two servers that disagree
+/// at least one tells the other of everything that either may have at its own home.
 class HomeLines {
  public:
   enum class Rule : std::uint8_t {
@@ -57,8 +57,7 @@ class HomeLines {
   /// At every status of ours: who is awake here; and how many are anywhere, by region, the mean of
   /// the last second.
   void note_awake(std::span<const NewBody> awake, std::span<const double> everywhere);
-  /// What our next status says. `lately`: the mean of the last second, in bodies awake: who has
-  /// calmed down has no load at once, and for some seconds, whatever wakes.
+  /// What our next status says. `lately`: what we have awake, the mean of the last second.
   LineNews tell(Tick now, double lately);
   void hear(RegionId from, Tick told_at, const LineNews& told);
 
