@@ -256,6 +256,14 @@ MUTATIONS = [
         ((REGION, "lines go on until all have as much, however far that is, and stay there"),),
     ),
     Mutation(
+        "bodies-not-frames",
+        "who has more neighbours is left with as many bodies as the others",
+        "server/region/lines/home_lines.cpp",
+        "constexpr double frame_of_neighbour = 0.006;",
+        "constexpr double frame_of_neighbour = 0;",
+        ((REGION, "who has more neighbours than the others is left with fewer bodies, for it tells*"),),
+    ),
+    Mutation(
         "noisy-loads",
         "who has far less than the others pushes by what it has just now",
         "server/region/loads/lasting_load.cpp",

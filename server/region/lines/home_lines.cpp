@@ -11,6 +11,10 @@ namespace {
 /// Between two levels.
 constexpr double step = 1.0025;
 
+/// What a body awake takes of a frame besides physics grows with the neighbours that hear of it: by
+/// so much of its physics for each of them (measured at a corner of nine).
+constexpr double frame_of_neighbour = 0.006;
+
 /// Lines move so much later than the order of the servers changes: what has to change its owner
 /// because of the one need not at once because of the other.
 constexpr std::int64_t after_order_ticks = LoadLevels::term_ticks / 2;
@@ -31,6 +35,9 @@ HomeLines::HomeLines(const PartitionMap& map, RegionId self, Rule rule)
   for (std::size_t i = 0; i < lines_.count(); ++i)
     if (is_near(lines_.below(i).front()) || is_near(lines_.above(i).front()))
       keepers_near_.push_back(lines_.below(i).front());
+  for (std::uint16_t k = 0; k < map.size(); ++k)
+    frame_of_body_.push_back(1 + frame_of_neighbour *
+                                     static_cast<double>(map.neighbours(RegionId{k}).size()));
 }
 
 void HomeLines::note_awake(std::span<const NewBody> awake, std::span<const double> everywhere) {
@@ -38,12 +45,13 @@ void HomeLines::note_awake(std::span<const NewBody> awake, std::span<const doubl
   if (rule_ == Rule::quiet_places) keeper_.note_awake(awake);
   if (rule_ != Rule::even_loads) return;
   double sum = 0, count = 0;
-  for (const double load : everywhere) {
-    if (!levels_.counts(load)) continue;
-    sum += load;
+  for (std::size_t k = 0; k < everywhere.size(); ++k) {
+    if (!levels_.counts(everywhere[k])) continue;
+    sum += everywhere[k] * frame_of_body_[k];
     ++count;
   }
-  load_.note_awake(everywhere[self_.value], count > 0 ? sum / count : 0);
+  const std::uint16_t self = self_.value;
+  load_.note_awake(everywhere[self] * frame_of_body_[self], count > 0 ? sum / count : 0);
 }
 
 /// Levels of lines: 0 is the place in the map, then steps up and down in turns.

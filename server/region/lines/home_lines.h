@@ -94,6 +94,7 @@ class HomeLines {
   LoadLevels levels_;
   Rule rule_;
   LineKeeper keeper_;
+  std::vector<double> frame_of_body_;   ///< What one awake takes of it, by region; 1: its physics.
   std::vector<RegionId> keepers_near_;  ///< Of the lines of our region and of its neighbours.
   double awake_now_ = 0;                ///< Bodies.
   std::optional<Tick> first_told_;

@@ -22,15 +22,26 @@ PartitionMap corner() {
   return PartitionMap({{-inf, -inf, 0, 0}, {0, -inf, inf, 0}, {-inf, 0, 0, inf}, {0, 0, inf, inf}});
 }
 
-/// The servers of that corner, who tell each other at every sixteenth tick.
+/// Three by three, 120 m each.
+PartitionMap nine() {
+  constexpr double at[] = {-std::numeric_limits<double>::infinity(), -60, 60,
+                           std::numeric_limits<double>::infinity()};
+  std::vector<Rectangle> areas;
+  for (std::size_t z = 0; z < 3; ++z)
+    for (std::size_t x = 0; x < 3; ++x) areas.push_back({at[x], at[z], at[x + 1], at[z + 1]});
+  return PartitionMap(std::move(areas));
+}
+
+/// The servers of a map, who tell each other at every sixteenth tick.
 struct Servers {
   std::vector<HomeLines> all;
-  /// Far less on the right: the line is asked to go as far as it may, at once.
-  std::vector<double> awake{1000, 200, 1000, 200};
+  std::vector<double> awake;
 
-  Servers() {
-    for (std::uint16_t k = 0; k < 4; ++k)
-      all.emplace_back(corner(), RegionId{k}, HomeLines::Rule::even_loads);
+  /// Far less on the right: the line is asked to go as far as it may, at once.
+  Servers() : Servers(corner(), {1000, 200, 1000, 200}) {}
+  Servers(const PartitionMap& map, std::vector<double> loads) : awake(std::move(loads)) {
+    for (std::uint16_t k = 0; k < map.size(); ++k)
+      all.emplace_back(map, RegionId{k}, HomeLines::Rule::even_loads);
   }
   /// `deaf`: does not hear `silent`.
   void run(std::int64_t from, std::int64_t to, std::optional<RegionId> deaf = {},
@@ -41,10 +52,10 @@ struct Servers {
     }
   }
   void tell(Tick now, std::optional<RegionId> deaf, RegionId silent) {
-    for (std::uint16_t k = 0; k < 4; ++k) {
+    for (std::uint16_t k = 0; k < all.size(); ++k) {
       all[k].note_awake({}, awake);
       const LineNews told = all[k].tell(now, awake[k]);
-      for (std::uint16_t other = 0; other < 4; ++other)
+      for (std::uint16_t other = 0; other < all.size(); ++other)
         if (other != k && !(deaf == RegionId{other} && silent == RegionId{k}))
           all[other].hear(RegionId{k}, now, told);
     }
@@ -127,6 +138,21 @@ TEST_CASE("lines go on until all have as much, however far that is, and stay the
     CHECK(servers.all[last.value].map().area(RegionId{2}).max_x == 0);
   }
   CHECK(farthest_m > -3);  // It may overshoot by so much.
+}
+
+TEST_CASE("who has more neighbours than the others is left with fewer bodies, for it tells more") {
+  Servers servers(nine(), std::vector<double>(9, 1000));
+  servers.run(0, 20 * term);
+  const Rectangle middle = servers.all[4].map().area(RegionId{4});
+  CHECK(middle.max_x - middle.min_x < 118);
+  CHECK(middle.max_z - middle.min_z < 120);
+  servers.awake[4] = 980;  // Eight neighbours rather than five, and three at the corners.
+  const auto upper = [&] { return servers.all[0].map().area(RegionId{0}).max_x; };
+  const double before_m = upper();
+  servers.run(20 * term, 60 * term);
+  const Rectangle now = servers.all[4].map().area(RegionId{4});
+  CHECK(now.max_x - now.min_x > middle.max_x - middle.min_x);
+  CHECK(upper() > before_m);  // The four at the corners may have more.
 }
 
 TEST_CASE("lines follow what lasts: not the blow that wakes a heap for a moment") {
