@@ -1,5 +1,6 @@
 #!/bin/sh
-# Every relative link in the pages, and every path in backticks that ends in a file's name, leads somewhere.
+# Every relative link in the pages leads somewhere, to a heading that is there where it names one, and so does every path
+# in backticks that ends in a file's name.
 #   check_links.sh REPOSITORY
 set -eu
 cd "$1"
@@ -11,6 +12,11 @@ complain() {
   missing=$((missing + 1))
 }
 
+# The places that a page's headings make, as GitHub names them.
+places() {
+  grep -E '^#+ ' "$1" | sed -E 's/^#+ +//' | tr '[:upper:]' '[:lower:]' | sed -E 's/[^a-z0-9 _-]//g; s/ /-/g'
+}
+
 for page in README.md docs/*.md protocol/*.md; do
   folder=$(dirname "$page")
   # Links and pictures, without those to other machines and to places on the same page.
@@ -19,6 +25,13 @@ for page in README.md docs/*.md protocol/*.md; do
   for target in $targets; do
     seen=$((seen + 1))
     [ -e "$folder/$target" ] || complain "$page" "the link to $target"
+  done
+  # Places on this page and on others.
+  for link in $(grep -oE '\]\([^): ]*#[^)]*\)' "$page" | sed -E 's/^\]\(//; s/\)$//'); do
+    seen=$((seen + 1))
+    target=${link%%#*}
+    file=${target:+$folder/$target}
+    places "${file:-$page}" 2>/dev/null | grep -qxF -- "${link#*#}" || complain "$page" "the link to $link"
   done
   # A path in backticks counts from the top of the repository and has a folder in it.
   paths=$(grep -oE '`[A-Za-z0-9_.-]+(/[A-Za-z0-9_.-]+)*/([A-Za-z0-9_.-]+\.(h|cpp|fbs|md|json|sh|txt|ts|mjs|yaml|lsan|supp))?`' "$page" |
