@@ -63,8 +63,8 @@ TEST_CASE("what has been summed up has bounds, and goes back by itself") {
 
 TEST_CASE("who has far less than the others says so before differences have been summed up") {
   Server server;
-  CHECK(server.run(20, 150, 1000) == Approx(300));
-  CHECK(server.run(0.1, 120, 1000) > 295);  // What comes and goes is smoothed here too.
+  CHECK(server.run(20, 180, 1000) == Approx(360));
+  CHECK(server.run(0.1, 140, 1000) > 355);  // What comes and goes is smoothed here too.
   // But nobody tells a world of which it knows nothing.
   Server alone;
   CHECK(alone.run(1, 150, 0) == 0);
