@@ -20,7 +20,7 @@ class PartitionLines {
   /// Lines move by no more than this (m), and by an eighth of the way to the next one.
   static constexpr double shift_max_m = 12;
   /// For one side of a line having twice the mean of both sides to do, the other one nothing (m).
-  /// With more than this lines overshoot: what they give away comes only seconds later.
+  /// With twice as much lines overshot: what they give away comes only seconds later.
   static constexpr double gain_m = 200;
   /// They move in steps of this (m).
   static constexpr double grain_m = 0.25;

@@ -9,21 +9,14 @@
 
 #include "server/worlds/region_tiling.h"
 #include "tests/support/catch.h"
+#include "tests/support/grid_of_nine.h"
 
 using namespace aureole;
+using testing::grid_of_nine;
 
 namespace {
 
 constexpr double inf = std::numeric_limits<double>::infinity();
-
-/// Three by three, 120 m each; the outermost go on for ever.
-PartitionMap nine() {
-  std::vector<Rectangle> areas;
-  const std::vector<double> at{-inf, -60, 60, inf};
-  for (std::size_t z = 0; z < 3; ++z)
-    for (std::size_t x = 0; x < 3; ++x) areas.push_back({at[x], at[z], at[x + 1], at[z + 1]});
-  return PartitionMap(std::move(areas));
-}
 
 /// Four areas around a fifth, like a pinwheel: lines that end at others.
 PartitionMap pinwheel() {
@@ -43,7 +36,7 @@ std::optional<std::string> mistake_in(const std::vector<Rectangle>& areas) {
 }  // namespace
 
 TEST_CASE("lines lie where the map has them while all have equally much to do") {
-  const PartitionMap map = nine();
+  const PartitionMap map = grid_of_nine();
   const PartitionLines lines(map);
   const std::vector<double> shifts = lines.shifts_m(std::vector<double>(9, 700.0));
   REQUIRE(shifts == std::vector<double>(8, 0.0));  // Two in each of three rows, two between rows.
@@ -52,7 +45,7 @@ TEST_CASE("lines lie where the map has them while all have equally much to do") 
 }
 
 TEST_CASE("a line moves into the side that has more to do, for all along it") {
-  const PartitionLines lines(nine());
+  const PartitionLines lines(grid_of_nine());
   std::vector<double> loads(9, 1000);
   loads[4] = 1060;  // The one in the middle.
   const std::vector<double> shifts = lines.shifts_m(loads);
@@ -71,7 +64,7 @@ TEST_CASE("a line moves into the side that has more to do, for all along it") {
 }
 
 TEST_CASE("in each row of a grid lines move by what its own regions have to do") {
-  const PartitionLines lines(nine());
+  const PartitionLines lines(grid_of_nine());
   const std::vector<double> shifts =
       lines.shifts_m(std::vector<double>{1040, 1000, 960, 1000, 1000, 1000, 960, 1000, 1040});
   // Between rows nothing: each has as much as the others.
@@ -89,8 +82,9 @@ TEST_CASE("around a corner of three the line that two regions meet at moves by i
 TEST_CASE("a line goes no further than 12 m, and an eighth of the way to the next one") {
   std::vector<double> loads(9, 2);
   loads[4] = 1e9;
-  CHECK(PartitionLines(nine()).shifts_m(loads) == std::vector<double>{0, 12, 0, 0, -12, 0, 12, -12});
-  CHECK(PartitionLines(nine()).longest_shift_m() == 12);
+  CHECK(PartitionLines(grid_of_nine()).shifts_m(loads) ==
+        std::vector<double>{0, 12, 0, 0, -12, 0, 12, -12});
+  CHECK(PartitionLines(grid_of_nine()).longest_shift_m() == 12);
   const PartitionLines near(pinwheel());
   CHECK(near.shifts_m(std::vector<double>{2, 2, 2, 2, 1e9}) == std::vector<double>{5, -5, 5, -5});
   CHECK(near.longest_shift_m() == 5);
@@ -99,7 +93,7 @@ TEST_CASE("a line goes no further than 12 m, and an eighth of the way to the nex
 TEST_CASE("wherever lines lie, areas tile the plane, and neighbours are the same") {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> size(-3, 3);
-  for (const PartitionMap& map : {nine(), pinwheel()}) {
+  for (const PartitionMap& map : {grid_of_nine(), pinwheel()}) {
     const PartitionLines lines(map);
     for (int round = 0; round < 200; ++round) {
       std::vector<double> loads;
@@ -124,7 +118,7 @@ TEST_CASE("a world of one region has no lines") {
 
 TEST_CASE(
     "a line lies still where one side has nothing to do, and moves the further the more it has") {
-  const PartitionLines lines(nine());
+  const PartitionLines lines(grid_of_nine());
   double before = 0;
   for (const double least : {1.0, 1.2, 1.5, 2.0, 3.0}) {
     std::vector<double> loads(9, least);

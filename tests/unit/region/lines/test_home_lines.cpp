@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tests/support/catch.h"
+#include "tests/support/grid_of_nine.h"
 #include "tests/support/region_cluster.h"
 
 using namespace aureole;
@@ -20,16 +21,6 @@ constexpr RegionId left{0}, right{1}, last{3};
 PartitionMap corner() {
   constexpr double inf = std::numeric_limits<double>::infinity();
   return PartitionMap({{-inf, -inf, 0, 0}, {0, -inf, inf, 0}, {-inf, 0, 0, inf}, {0, 0, inf, inf}});
-}
-
-/// Three by three, 120 m each.
-PartitionMap nine() {
-  constexpr double at[] = {-std::numeric_limits<double>::infinity(), -60, 60,
-                           std::numeric_limits<double>::infinity()};
-  std::vector<Rectangle> areas;
-  for (std::size_t z = 0; z < 3; ++z)
-    for (std::size_t x = 0; x < 3; ++x) areas.push_back({at[x], at[z], at[x + 1], at[z + 1]});
-  return PartitionMap(std::move(areas));
 }
 
 /// The servers of a map, who tell each other at every sixteenth tick.
@@ -141,7 +132,7 @@ TEST_CASE("lines go on until all have as much, however far that is, and stay the
 }
 
 TEST_CASE("who has more neighbours than the others is left with fewer bodies, for it tells more") {
-  Servers servers(nine(), std::vector<double>(9, 1000));
+  Servers servers(testing::grid_of_nine(), std::vector<double>(9, 1000));
   servers.run(0, 20 * term);
   const Rectangle middle = servers.all[4].map().area(RegionId{4});
   CHECK(middle.max_x - middle.min_x < 118);
