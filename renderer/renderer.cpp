@@ -7,8 +7,8 @@
 #include <ctime>
 #include <utility>
 
-#include "renderer/culling.h"
-#include "renderer/draw_list.h"
+#include "renderer/drawing/culling.h"
+#include "renderer/drawing/draw_list.h"
 #include "renderer/gl/gpu_geometry.h"
 #include "renderer/gl/render_targets.h"
 #include "renderer/gl/shaders.h"

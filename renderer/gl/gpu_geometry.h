@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "renderer/backdrop.h"
-#include "renderer/draw_list.h"
+#include "renderer/drawing/backdrop.h"
+#include "renderer/drawing/draw_list.h"
 #include "renderer/gl/gl.h"
 #include "renderer/gl/shaders.h"
 #include "renderer/mesh/mesh.h"

@@ -45,7 +45,7 @@ void LineKeeper::note_awake(std::span<const NewBody> awake) {
 
 std::int32_t LineKeeper::gain() const {
   if (!target_m_) return 0;
-  const LineSituation now{.below_has = ends_, .above_has = beyond_};
+  const LineSituation now{.below_has = ends_, .above_has = beyond_, .limits = {}};
   return static_cast<std::int32_t>(std::lround(std::clamp(now.gain(*target_m_), -1e6, 1e6)));
 }
 

@@ -22,7 +22,10 @@ WorldDefinition collision(MigrationMode mode) {
 WorldDefinition born_across_the_boundary() {
   WorldDefinition world = layout_world("column2");
   world.mode = MigrationMode::naive;
-  Injector across{.name = "across", .rate_per_s = 1, .duration_s = 1.5};
+  Injector across;
+  across.name = "across";
+  across.rate_per_s = 1;
+  across.duration_s = 1.5;
   across.volume.min = across.volume.max = {-0.05, 1.5, 0};
   across.velocity_min = across.velocity_max = {20, 0, 0};
   across.mix = {{sphere_prototype, 1}};

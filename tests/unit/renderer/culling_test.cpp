@@ -1,5 +1,5 @@
 // What a camera sees: directions, sides, sizes on the screen and levels of detail.
-#include "renderer/culling.h"
+#include "renderer/drawing/culling.h"
 
 #include <cmath>
 

@@ -1,11 +1,11 @@
 // What a frame draws: hidden bodies never, visible ones always, and always in the same order.
-#include "renderer/draw_list.h"
+#include "renderer/drawing/draw_list.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
-#include "renderer/backdrop.h"
+#include "renderer/drawing/backdrop.h"
 #include "tests/support/catch.h"
 
 namespace aureole::render {

@@ -119,12 +119,12 @@ TEST_CASE("an idle player from where nothing thrown soon leaves the region throw
 
 TEST_CASE("what is thrown when a neighbour is back strikes what that one has beyond the boundary") {
   for (const double face_m : {12.2, 12.9}) {
-    const auto scene = [&](int columns) {
+    const auto scene_of = [&](int columns) {
       Scene scene(columns, face_m);
       scene.world.spawn_points[0].position.x += 0.9;  // It stands at x = 11.5.
       return scene;
     };
-    const Outcome one = throw_after_ticks(scene(1), 0, 40);
+    const Outcome one = throw_after_ticks(scene_of(1), 0, 40);
     for (const int delay : {0, 1})
       for (const int ticks_since : {0, 1, 2, 3, 5, 8}) {
         // Who joins while the link is down knows nothing of what lies there.
@@ -137,7 +137,7 @@ TEST_CASE("what is thrown when a neighbour is back strikes what that one has bey
           cluster.step(ticks_since);
           while (!cluster.owner(BodyId::avatar(me))) cluster.step();  // It may be on its way.
         };
-        const Outcome two = throw_after(scene(2), delay, join_alone);
+        const Outcome two = throw_after(scene_of(2), delay, join_alone);
         INFO("face at " << face_m << " m, delay " << delay << ", " << ticks_since
                         << " ticks after the link was back");
         CHECK((two.was_cut || ticks_since > 3));

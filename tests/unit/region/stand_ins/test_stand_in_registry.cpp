@@ -41,7 +41,7 @@ struct Pair {
 
 TEST_CASE("what leant on a stand-in wakes when its body has left its place") {
   Pair pair;
-  RemoteAura aura{theirs, owner, {}};
+  RemoteAura aura{.id = theirs, .host = owner, .room = {}, .company = {}};
   pair.stand_ins.tidy(std::span(&aura, 1), Tick{2});
   REQUIRE(pair.stands());
   REQUIRE(pair.physics.is_asleep(ours));
@@ -142,7 +142,7 @@ TEST_CASE("what does not stand is moved, taken back and born again by its owner'
     REQUIRE_FALSE(pair.physics.is_stand_in(far.id));
   }
   SECTION("left its place") {
-    RemoteAura aura{far.id, owner, {}};
+    RemoteAura aura{.id = far.id, .host = owner, .room = {}, .company = {}};
     aura.left_its_place = true;
     pair.stand_ins.tidy(std::span(&aura, 1), Tick{3});
     come();

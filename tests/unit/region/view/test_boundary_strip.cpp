@@ -14,7 +14,11 @@ PartitionMap two_columns() {
 }
 
 RemoteAura visitor(double x, double z) {
-  return {BodyId::world(1), RegionId{1}, {{x, 1, z}, {0, 0, 0}, 1}};
+  RemoteAura aura;
+  aura.id = BodyId::world(1);
+  aura.host = RegionId{1};
+  aura.room = {{x, 1, z}, {0, 0, 0}, 1};
+  return aura;
 }
 
 }  // namespace

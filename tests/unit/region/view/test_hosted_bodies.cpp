@@ -102,7 +102,7 @@ TEST_CASE("a deeper strip shows more in the same decision, and so does a look at
   std::size_t expected = 1;
   for (const double look_m : {depth_m, 2 * depth_m, everything_m}) {
     region.bodies.show_within(look_m, {});
-    const auto& shown = region.bodies.look(region.hosting, {region.watch, 0.128}, Tick{1});
+    const auto& shown = region.bodies.look(region.hosting, {region.watch, 0.128, {}, {}}, Tick{1});
     REQUIRE(shown.size() == expected++);
     const View* view = region.bodies.view();
     REQUIRE((view == nullptr) == (look_m == everything_m));
@@ -116,7 +116,8 @@ TEST_CASE("it is known since when somebody has been looked at here") {
   for (const std::int64_t tick : {5, 9}) {
     region.bodies.begin(region.hosting, false, Tick{tick});
     region.bodies.show_within(everything_m, {});
-    const auto& shown = region.bodies.look(region.hosting, {region.watch, 0.128}, Tick{tick});
+    const auto& shown =
+        region.bodies.look(region.hosting, {region.watch, 0.128, {}, {}}, Tick{tick});
     REQUIRE(shown.size() == 1);
     CHECK(shown[0].came == Tick{5});
   }
@@ -128,7 +129,7 @@ TEST_CASE("a policy that looks at everything is shown everybody") {
   region.spawn(1, 20, Activation::awake);
   region.bodies.begin(region.hosting, false, Tick{1});
   region.bodies.show_within(everything_m, {});
-  REQUIRE(region.bodies.look(region.hosting, {region.watch, 0.128}, Tick{1}).size() == 2);
+  REQUIRE(region.bodies.look(region.hosting, {region.watch, 0.128, {}, {}}, Tick{1}).size() == 2);
   REQUIRE(region.bodies.sleepers() == nullptr);
 }
 

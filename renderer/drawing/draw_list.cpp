@@ -1,11 +1,11 @@
 // What one frame draws, gathered on the CPU: culled, grouped by mesh and level, in a fixed order.
-#include "renderer/draw_list.h"
+#include "renderer/drawing/draw_list.h"
 
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 
-#include "renderer/culling.h"
+#include "renderer/drawing/culling.h"
 
 namespace aureole::render {
 namespace {

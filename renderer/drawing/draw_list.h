@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "renderer/drawing/shadows.h"
 #include "renderer/mesh/mesh.h"
 #include "renderer/scene.h"
-#include "renderer/shadows.h"
 
 namespace aureole::render {
 

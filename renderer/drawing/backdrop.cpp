@@ -1,5 +1,5 @@
 // Geometry that every view has: ground rings, the sky's dome, boundary walls.
-#include "renderer/backdrop.h"
+#include "renderer/drawing/backdrop.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // What a camera sees, and in how much detail.
-#include "renderer/culling.h"
+#include "renderer/drawing/culling.h"
 
 #include <cmath>
 

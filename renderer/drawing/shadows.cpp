@@ -1,5 +1,5 @@
 // Soft blob shadows: one ellipse under each body, on the ground or on the platform below it.
-#include "renderer/shadows.h"
+#include "renderer/drawing/shadows.h"
 
 #include <algorithm>
 #include <cmath>
