@@ -32,7 +32,8 @@ std::string what_is_wrong(const CLI::App& read, const CLI::ParseError& error) {
 int main(int argc, char** argv) {
   CLI::App app(
       "Aureole keeps one physical world running on many servers and shows it in a browser.\n"
-      "Start with `aureole play`; every subcommand explains itself with --help.");
+      "Start with `aureole play`; every subcommand explains itself with --help.",
+      "aureole");
   app.set_version_flag("--version", fmt::format("aureole {}", AUREOLE_VERSION));
   app.require_subcommand(1);
   app.fallthrough(false);

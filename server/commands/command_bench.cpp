@@ -166,6 +166,17 @@ void add_stream(CLI::App& bench, int& exit_code) {
   command->callback([options, &exit_code] { exit_code = bench_stream(*options); });
 }
 
+/// A name in each line that begins with one; what a scene says in more lines goes on below itself.
+void list_scenes(const CLI::App& bench) {
+  constexpr std::size_t name_width = 10;
+  for (const CLI::App* scene : bench.get_subcommands([](const CLI::App*) { return true; })) {
+    std::string what = scene->get_description();
+    for (auto end = what.find('\n'); end != std::string::npos; end = what.find('\n', end + 1))
+      what.insert(end + 1, name_width + 1, ' ');
+    fmt::print("{:<{}} {}\n", scene->get_name(), name_width, what);
+  }
+}
+
 }  // namespace
 
 void add_bench(CLI::App& app, int& exit_code) {
@@ -174,6 +185,13 @@ void add_bench(CLI::App& app, int& exit_code) {
   add_bench_scenes(*bench, exit_code);
   add_view(*bench, exit_code);
   add_stream(*bench, exit_code);
+  bench->add_flag_callback(
+      "--list",
+      [bench] {
+        list_scenes(*bench);
+        throw CLI::Success();
+      },
+      "Says what each scene measures");
 }
 
 }  // namespace aureole

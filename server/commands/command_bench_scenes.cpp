@@ -58,14 +58,6 @@ void add_scene(CLI::App& bench, const BenchScene& scene, int& exit_code) {
 
 void add_bench_scenes(CLI::App& bench, int& exit_code) {
   for (const BenchScene& scene : bench_scenes()) add_scene(bench, scene, exit_code);
-  bench.add_flag_callback(
-      "--list",
-      [] {
-        for (const BenchScene& scene : bench_scenes())
-          fmt::print("{:<10} {}\n", scene.name, scene.what);
-        throw CLI::Success();
-      },
-      "Says what each scene measures");
 }
 
 }  // namespace aureole

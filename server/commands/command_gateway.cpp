@@ -55,18 +55,25 @@ int run_gateway(const GatewayCommandOptions& options) {
 
   boost::asio::io_context io(1);
   ignore_broken_pipes();
-  Gateway gateway(io, *world, std::move(gateway_options));
+  std::optional<Gateway> gateway;
   std::optional<StopSignals> signals;
-  signals.emplace(io, [&](int) {
-    gateway.stop();
+  int exit_code = exit_ok;
+  const auto stop = [&] {
+    gateway->stop();
     signals.reset();
-  });
-  const auto port = gateway.start();
+  };
+  gateway_options.rejected = [&](const std::string& why) {
+    if (exit_code == exit_ok) exit_code = complain(exit_failed, why);
+    stop();
+  };
+  gateway.emplace(io, *world, std::move(gateway_options));
+  signals.emplace(io, [&](int) { stop(); });
+  const auto port = gateway->start();
   if (!port) return complain(exit_failed, port.error().message);
   fmt::print("ready gateway {}\n", page_url(listen->host, *port));
   std::fflush(stdout);
   io.run();
-  return exit_ok;
+  return exit_code;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <memory>
 
 #include "server/commands/commands.h"
@@ -54,6 +55,17 @@ bool any_taken(const std::vector<std::uint16_t>& ports) {
   return false;
 }
 
+Status check_page(const std::filesystem::path& web_root, bool is_default) {
+  const auto index = web_root / "index.html";
+  std::error_code ignored;
+  if (std::filesystem::exists(index, ignored)) return Ok{};
+  if (is_default)
+    return Error::format("the player page is not built: there is no {}; ./run builds it",
+                         index.string());
+  return Error::format("--web-root: there is no {}; expected the folder of a built player page",
+                       index.string());
+}
+
 int play(const PlayOptions& options) {
   const std::string log_level = chosen_log_level(options.log_level);
   if (const Status known = start_logging("play", log_level); !known) {
@@ -70,6 +82,8 @@ int play(const PlayOptions& options) {
 
   const auto own_binary = executable_path();
   plan.web_root = options.web_root.empty() ? web_root_beside(own_binary) : options.web_root;
+  if (const Status page = check_page(plan.web_root, options.web_root.empty()); !page)
+    return complain(exit_usage, page.error().message);
   const auto port = page_port(options);
   if (!port) return complain(exit_usage, port.error().message);
   plan.port = *port;

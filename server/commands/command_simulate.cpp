@@ -71,6 +71,10 @@ std::string replay_line(const SimulateOptions& o, std::uint64_t seed) {
   return line + (o.check_repeatable ? " --check-repeatable" : "");
 }
 
+std::string in_words(int seeds) {
+  return fmt::format("{} seed{}", seeds, seeds == 1 ? "" : "s");
+}
+
 /// A line on stderr: rewritten in place on a terminal, every 10 s elsewhere.
 class Progress {
  public:
@@ -80,8 +84,8 @@ class Progress {
     if (now - shown_ < (terminal_ ? std::chrono::milliseconds(500) : std::chrono::seconds(10)))
       return;
     shown_ = now;
-    fmt::print(stderr, "{}{} of {} seeds, {} failed{}", terminal_ ? "\r" : "", totals.seeds, seeds_,
-               totals.failed_seeds, terminal_ ? "" : "\n");
+    fmt::print(stderr, "{}{} of {}, {} failed{}", terminal_ ? "\r" : "", totals.seeds,
+               in_words(seeds_), totals.failed_seeds, terminal_ ? "" : "\n");
     std::fflush(stderr);
   }
   void end() const {
@@ -219,6 +223,12 @@ int simulate_all(SimulateOptions o) {
                     "part");
   if (auto scenario = make_scenario(of_seed(o, o.first_seed).scenario); !scenario)
     return complain(exit_usage, scenario.error().message);
+  std::ofstream file;
+  if (!o.json.empty()) {
+    // Before time is spent on what could not be written.
+    file.open(o.json);
+    if (!file) return complain(exit_failed, fmt::format("cannot write {}", o.json));
+  }
   if (o.jobs == 0) o.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   const int runs = o.check_repeatable ? 2 : 1;
   const auto seed_of = [&](int i) { return o.first_seed + static_cast<std::uint64_t>(i / runs); };
@@ -242,7 +252,7 @@ int simulate_all(SimulateOptions o) {
       o.compare_single ? compare_in_process(o, report.totals) : nlohmann::json::array();
 
   const nlohmann::json totals = report.totals.to_json();
-  fmt::print("{} {}, {} seeds from {}, {} s, {} ms, faults {}:\n", o.layout, o.mode, o.seeds,
+  fmt::print("{} {}, {} from {}, {} s, {} ms, faults {}:\n", o.layout, o.mode, in_words(o.seeds),
              o.first_seed, o.seconds, o.latency_ms, o.faults);
   print_totals(totals);
   if (!o.json.empty()) {
@@ -253,8 +263,8 @@ int simulate_all(SimulateOptions o) {
     all["comparisons"] = comparisons;
     all["per_seed"] = report.seeds;
     all["failures"] = report.failures;
-    std::ofstream file(o.json);
     file << all.dump(2) << '\n';
+    file.close();
     if (!file) return complain(exit_failed, fmt::format("cannot write {}", o.json));
   }
   return report.all_held() ? exit_ok : exit_failed;

@@ -17,6 +17,9 @@ struct StatusOptions {
 };
 
 int show_status(const StatusOptions& options) {
+  if (const auto url = parse_http_url(options.url); !url) {
+    return complain(exit_usage, "--url: " + url.error().message);
+  }
   std::string base = options.url;
   while (base.ends_with('/')) base.pop_back();
   const auto answer = http_get(base + "/api/status", 3000);
@@ -47,7 +50,7 @@ void add_status(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("status",
                                          "Shows how a running world is doing. Exit code 0: every "
                                          "region is up; 1: one is down, or the\n"
-                                         "gateway does not answer.");
+                                         "gateway does not answer; 2: the command line is wrong.");
   const auto options = std::make_shared<StatusOptions>();
   command->add_option("--url", options->url, "The gateway")->capture_default_str();
   command->add_option(

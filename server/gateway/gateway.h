@@ -4,6 +4,7 @@
 #include <boost/asio/io_context.hpp>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -22,6 +23,8 @@ struct GatewayOptions {
   std::filesystem::path web_root;    ///< The built page; without it there is none.
   int render_threads = 0;            ///< 0: as many as this machine should have.
   int max_players = 32;
+  /// A region refuses this gateway for good: the sentence says why. Whoever owns it should stop it.
+  std::function<void(const std::string& why)> rejected = [](const std::string&) {};
 };
 
 /// Serves, on one port:

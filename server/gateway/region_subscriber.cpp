@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "server/base/check.h"
+#include "server/net/links/handshake.h"
 #include "server/replica/recovery_answer.h"
 #include "server/worlds/region_tiling.h"
 
@@ -30,6 +31,7 @@ PeerLinksOptions link_options(const WorldDefinition& world,
   links.self = PeerId::gateway(options.gateway);
   links.incarnation = options.incarnation;
   links.world_hash = world.hash;
+  links.region_count = world.regions.size();
   links.dial = options.regions;
   return links;
 }
@@ -49,10 +51,7 @@ RegionSubscriber::RegionSubscriber(boost::asio::io_context& io, const WorldDefin
               .down = [this](PeerId peer, const std::string& why) { on_down(peer, why); },
               .frame = [this](PeerId peer, const FrameView& f) { return on_frame(peer, f); },
               .running = [] { return false; },
-              .refused =
-                  [](PeerId peer, const std::string& why) {
-                    spdlog::error("region {} refused this gateway: {}", peer.value, why);
-                  }}) {
+              .refused = [this](PeerId peer, const std::string& why) { on_refused(peer, why); }}) {
   for (const RegionId region : regions_)
     AUREOLE_CHECK(region.value < world.regions.size(), "a gateway dials regions of its world");
 }
@@ -60,9 +59,22 @@ RegionSubscriber::RegionSubscriber(boost::asio::io_context& io, const WorldDefin
 void RegionSubscriber::on_up(PeerId peer) {
   const RegionId region = peer.as_region();
   spdlog::info("region {} is linked", name_of(region));
+  was_linked_ = true;
   store_.region_up(region);
   reports_[region.value].up = true;
   events_.changed();
+}
+
+void RegionSubscriber::on_refused(PeerId peer, const std::string& reason) {
+  const std::string what =
+      fmt::format("region {} refused this gateway: {}", name_of(peer.as_region()), reason);
+  const bool replaced = reason.find(newer_start_known) != std::string::npos;
+  if (replaced)
+    events_.rejected(what + "; each gateway of a world needs its own --number");
+  else if (!was_linked_)
+    events_.rejected(what);
+  else  // A gateway that shows a world is not ended by whoever happens to answer somewhere.
+    spdlog::error("{}", what);
 }
 
 void RegionSubscriber::on_down(PeerId peer, const std::string& reason) {

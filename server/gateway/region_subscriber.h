@@ -35,6 +35,9 @@ class RegionSubscriber {
     std::function<void(RegionId)> updated;
     /// A region was linked, became complete, or was lost.
     std::function<void()> changed;
+    /// A region refuses this gateway, and trying again will not help: another one was started
+    /// under its number, or the world is another one (known as long as no region has been linked).
+    std::function<void(const std::string& why)> rejected;
   };
 
   /// `world` must outlive it; `options.regions` must name regions of the world.
@@ -63,6 +66,7 @@ class RegionSubscriber {
   const PartitionMap& map_at(std::int64_t world_us);
   /// What each last said of itself: by region number, one for each region of the world.
   const std::vector<RegionReport>& reports() const { return reports_; }
+  const std::string& name_of(RegionId region) const { return world_.regions[region.value].name; }
 
  private:
   Status on_frame(PeerId from, const FrameView& frame);
@@ -70,7 +74,7 @@ class RegionSubscriber {
   Status on_recovery_query(RegionId from, const FrameView& frame);
   void on_up(PeerId peer);
   void on_down(PeerId peer, const std::string& reason);
-  const std::string& name_of(RegionId region) const { return world_.regions[region.value].name; }
+  void on_refused(PeerId peer, const std::string& reason);
 
   const WorldDefinition& world_;
   std::vector<RegionId> regions_;
@@ -80,6 +84,7 @@ class RegionSubscriber {
   WorldClock world_clock_;
   HomeLines lines_;
   std::vector<RegionReport> reports_;
+  bool was_linked_ = false;  ///< With any region.
   PeerLinks links_;
 };
 

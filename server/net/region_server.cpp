@@ -10,6 +10,7 @@
 #include <cmath>
 #include <optional>
 
+#include "protocol/wire.h"
 #include "server/net/links/handshake.h"
 #include "server/net/tolerance_log.h"
 #include "server/ops/frame_statistics.h"
@@ -68,6 +69,7 @@ struct RegionServer::Impl {
     link_options.self = PeerId::region(options.self);
     link_options.incarnation = options.incarnation;
     link_options.world_hash = world.hash;
+    link_options.region_count = region_count;
     for (const PeerAddress& address : options.regions)
       if (address.peer < link_options.self) link_options.dial.push_back(address);
     if (options.state) find_state();
@@ -106,10 +108,6 @@ struct RegionServer::Impl {
   }
 
   void up(PeerId peer, const PeerHello& hello) {
-    if (peer.is_region() && peer.value >= region_count) {
-      spdlog::error("{} is linked, but this world has {} regions", describe(peer), region_count);
-      return;
-    }
     const bool knows_this_start = hello.known_incarnation == options.incarnation;
     const bool knows_another_start = hello.known_incarnation != Incarnation{} && !knows_this_start;
     world_runs |= peer.is_region() && hello.running;
@@ -131,6 +129,11 @@ struct RegionServer::Impl {
     core.enable_snapshots();
     const auto found = options.state->newest();
     if (!found) return;
+    if (!is_wire_tick(found->tick.value) || found->tick < Tick{}) {
+      spdlog::error("the state on the disk counts as none: it is of tick {}; expected 0 to {}",
+                    found->tick.value, wire_tick_max);
+      return recover({});
+    }
     found_tick = found->tick;
     recover(found->bytes);
   }

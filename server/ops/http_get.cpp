@@ -102,7 +102,12 @@ Result<HttpUrl> parse_http_url(const std::string& url) {
   const auto wrong = [&] {
     return Error::format("'{}' is not a URL like http://localhost:8080", url);
   };
-  if (url.compare(0, scheme.size(), scheme) != 0) return wrong();
+  if (url.starts_with("https://"))
+    return Error::format(
+        "'{}' is an https URL, but only http:// is spoken here; expected the gateway's own, like "
+        "http://localhost:8080, not that of what stands in front of it",
+        url);
+  if (!url.starts_with(scheme)) return wrong();
   // Spaces and line ends would let a URL write headers of its own.
   if (std::any_of(url.begin(), url.end(), [](unsigned char c) { return c <= ' ' || c >= 127; })) {
     return wrong();

@@ -13,7 +13,7 @@ struct HttpUrl {
   std::string path;  ///< Begins with '/'.
 };
 
-/// http://host[:port][/path]; IPv6 hosts in brackets. Errors: anything else.
+/// http://host[:port][/path]; IPv6 hosts in brackets. Errors: anything else, https:// too.
 Result<HttpUrl> parse_http_url(const std::string& url);
 
 struct HttpAnswer {

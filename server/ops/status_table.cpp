@@ -43,6 +43,11 @@ RegionStatus region_from(const nlohmann::json& json) {
   return out;
 }
 
+bool is_down(const WorldStatus& status, const std::string& name) {
+  return std::any_of(status.regions.begin(), status.regions.end(),
+                     [&](const RegionStatus& r) { return !r.up && r.name == name; });
+}
+
 }  // namespace
 
 Result<WorldStatus> parse_world_status(const std::string& json) {
@@ -88,11 +93,15 @@ std::string status_table(const WorldStatus& status) {
                        r.migrations_in, r.migrations_out);
   }
   for (const auto& r : status.regions)
-    for (const auto& mark : r.outside)
-      out +=
-          fmt::format("! {} is outside its {} tolerance{} since tick {}: {:.1f} {}, at most {:g}\n",
-                      r.name, mark.tolerance, mark.peer.empty() ? "" : " towards " + mark.peer,
-                      mark.since_tick, mark.value, mark.unit, mark.limit);
+    for (const auto& mark : r.outside) {
+      // Its own line says it already, and once.
+      if (is_down(status, mark.peer)) continue;
+      const int digits = mark.unit.starts_with("ticks") ? 0 : 1;
+      out += fmt::format(
+          "! {} is outside its {} tolerance{} since tick {}: {:.{}f} {}, at most {:g}\n", r.name,
+          mark.tolerance, mark.peer.empty() ? "" : " towards " + mark.peer, mark.since_tick,
+          mark.value, digits, mark.unit, mark.limit);
+    }
   for (const auto& r : status.regions)
     if (r.missed_blows > 0)
       out +=

@@ -48,7 +48,7 @@ const RegionStatus* find_region(const WorldStatus& status, const std::string& na
 bool all_up(const WorldStatus& status);
 
 /// One line for the world, one for each region, columns aligned, and one for each tolerance that is
-/// not kept; ends with a line end.
+/// not kept, links towards regions that are down aside; ends with a line end.
 std::string status_table(const WorldStatus& status);
 
 }  // namespace aureole

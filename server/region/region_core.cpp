@@ -20,6 +20,11 @@ constexpr std::size_t queue_max = 65'536;
 constexpr std::size_t frozen_commands_max = 4096;
 /// The same for whole messages. They come again from the journal.
 constexpr std::size_t waiting_max = 4096;
+/// Blasts that wait, or are remembered: every one is looked at in every step. Far more than players
+/// can set off in that time.
+constexpr std::size_t blasts_max = 4096;
+/// As many as a snapshot takes.
+constexpr std::size_t pending_removals_max = 65'536;
 
 /// None in columns: what is told there is near as it is.
 std::optional<Whereabouts> whereabouts_in(const WorldDefinition& world, bool has_corners) {
@@ -125,6 +130,23 @@ void RegionCore::peer_down(PeerId id) {
   peers_.erase(it);
 }
 
+Status RegionCore::check_room(const EffectsMessage& effects) const {
+  if (arrived_effects_.size() >= waiting_max) return Error{"too many effects at once"};
+  std::size_t blasts = blasts_.size() + effects.blasts.size();
+  std::size_t removals = pending_removals_.size() + effects.removals.size();
+  for (const auto& [from, arrived] : arrived_effects_) {
+    blasts += arrived.blasts.size();
+    removals += arrived.removals.size();
+  }
+  if (blasts > blasts_max)
+    return Error::format("{} blasts would wait or have just been; expected at most {}", blasts,
+                         blasts_max);
+  if (removals > pending_removals_max)
+    return Error::format("{} removals would wait for their bodies; expected at most {}", removals,
+                         pending_removals_max);
+  return Ok{};
+}
+
 Status RegionCore::receive(PeerId from, const FrameView& frame) {
   const auto it = peers_.find(from);
   if (it == peers_.end() || !it->second.up)
@@ -179,7 +201,7 @@ Status RegionCore::receive(PeerId from, const FrameView& frame) {
     case FrameType::effects: {
       auto effects = decode_effects(frame.payload);
       if (!effects) return effects.error();
-      if (arrived_effects_.size() >= waiting_max) return Error{"too many effects at once"};
+      if (auto ok = check_room(*effects); !ok) return ok;
       auto arrival = peer.journal.arrive(frame.sequence);
       if (!arrival) return arrival.error();
       if (*arrival == Journal::Arrival::fresh)

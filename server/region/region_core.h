@@ -221,6 +221,8 @@ class RegionCore {
   SnapshotOwner snapshot_owner() const;
   void make_snapshot(Tick now);
   Status receive_recovery(PeerId from, Peer& peer, const FrameView& frame);
+  /// Whether so much more may wait for the next step.
+  Status check_room(const EffectsMessage& effects) const;
   void note_traces(Tick now);
   RecoveryAnswer answer_to(const Peer& peer) const;
   bool stays_frozen(Tick now, const ShellMeasurements& measured);

@@ -72,6 +72,9 @@ export class MockGateway {
     this.mute = false;
     /** A sentence: every join is answered with it. */
     this.refuse_with = null;
+    /** Names of regions: every join is answered with them, until `complete`. */
+    this.missing = null;
+    this.throwables = ["Ball", "Crate", "Barrel", "Rock"];
     this.status_extra = {};
   }
 
@@ -108,6 +111,12 @@ export class MockGateway {
     this.sockets.close();
     this.server.closeAllConnections?.();
     await new Promise((resolve) => this.server.close(resolve));
+  }
+
+  /** All regions are there: lets in who waits. */
+  complete() {
+    this.missing = null;
+    for (const client of this.clients) if (client.waits_with) this.join(client, client.waits_with);
   }
 
   forget_players() {
@@ -153,6 +162,8 @@ export class MockGateway {
 
   connect(socket) {
     const client = { socket, rules: new ClientRules(), player: null, number: 0, seq: 0, keys: 0 };
+    /** Its join, while regions are missing. */
+    client.waits_with = null;
     this.clients.add(client);
     socket.on("close", () => this.clients.delete(client));
     socket.on("error", () => socket.terminate());
@@ -177,12 +188,19 @@ export class MockGateway {
       client.player.carrying = !client.player.carrying;
   }
 
-  join(client, { token }) {
+  join(client, message) {
+    const { token } = message;
     if (this.refuse_with !== null) {
       client.socket.send(JSON.stringify({ type: "error", message: this.refuse_with }));
       client.socket.close();
       return;
     }
+    if (this.missing !== null) {
+      client.waits_with = message;
+      this.send_waiting(client);
+      return;
+    }
+    client.waits_with = null;
     const resumed = this.players.has(token);
     const own_token = resumed ? token : randomBytes(16).toString("hex");
     if (!resumed) {
@@ -205,10 +223,14 @@ export class MockGateway {
           description: "Stacks, dominoes and a ball pit, simulated by four servers as one world.",
         },
         regions,
-        throwables: ["Ball", "Crate", "Barrel", "Rock"],
+        throwables: this.throwables,
         tick_ms: 16,
       }),
     );
+  }
+
+  send_waiting(client) {
+    client.socket.send(JSON.stringify({ type: "waiting", missing: this.missing }));
   }
 
   draw_all() {
@@ -247,6 +269,7 @@ export class MockGateway {
   report_all() {
     if (this.mute) return;
     for (const client of this.clients) {
+      if (client.waits_with && this.missing !== null) this.send_waiting(client);
       if (client.player === null) continue;
       const [x, y, z] = client.player.position;
       const region = regions[(x > 0 ? 1 : 0) + (z > 0 ? 2 : 0)].name;

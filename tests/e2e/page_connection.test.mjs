@@ -101,6 +101,66 @@ test("a join that is refused shows why", async () => {
   assert.equal(await page.textContent("#notice-text"), "This world is full.");
 });
 
+test("who joins a world that is not complete is told what is missing, and goes in by itself", async () => {
+  const gateway = await fixture.start();
+  const text = async () => page.textContent("#notice-text");
+  gateway.missing = ["south-west", "r2"];
+  const page = await fixture.open("");
+  await page.waitForSelector("#notice", { state: "visible" });
+  assert.equal(await page.textContent("#notice-title"), "The world is not complete yet");
+  assert.equal(
+    await text(),
+    "Waiting for south-west and r2. You go in as soon as they are there.",
+  );
+  assert.equal(await page.isVisible("#retry"), false);
+  assert.equal(await page.isVisible("#help"), false);
+  await keep_screenshot(page, "page-waiting");
+  for (const [missing, names] of [
+    [["a", "b", "c"], /for a, b and c\. .* they are/],
+    [["a", "b", "c", "d", "e"], /for a, b, c and 2 more\. .* they are/],
+    [["<b>r2</b>"], /for <b>r2<\/b>\. .* it is/],
+  ]) {
+    gateway.missing = missing;
+    await eventually("what is missing", async () => names.test(await text()));
+  }
+  assert.equal((await statistics_of(page)).state, "waiting");
+  gateway.complete();
+  await wait_for_pictures(page);
+  await page.waitForSelector("#notice", { state: "hidden" });
+  await page.waitForSelector("#help", { state: "visible" });
+  assert.equal(await page.evaluate(() => document.activeElement.id), "start");
+  assert.equal(gateway.messages("join").length, 1);
+});
+
+test("while the world is not complete the page hears of a loss and of silence, and joins again", async () => {
+  const gateway = await fixture.start();
+  gateway.missing = ["r2"];
+  const page = await fixture.open();
+  const title = (wanted) =>
+    eventually(wanted, async () => (await page.textContent("#notice-title")) === wanted);
+  await title("The world is not complete yet");
+  await gateway.stop();
+  // Nobody has let this page in: it has no avatar to speak of.
+  await title("No answer yet");
+  assert.equal(
+    await page.textContent("#notice-text"),
+    "The world does not answer yet. Trying again.",
+  );
+  assert.equal(await page.isVisible("#retry"), true);
+  await page.waitForTimeout(1200);
+  assert.doesNotMatch(await page.textContent("#notice-text"), /avatar/);
+  await keep_screenshot(page, "page-no-answer");
+  await gateway.start();
+  await title("The world is not complete yet");
+  gateway.mute = true;
+  await title("No answer yet");
+  gateway.mute = false;
+  await title("The world is not complete yet");
+  gateway.complete();
+  await wait_for_pictures(page);
+  await page.waitForSelector("#notice", { state: "hidden" });
+});
+
 test("a connection on which nothing is heard counts as lost", async () => {
   const gateway = await fixture.start();
   const page = await fixture.open_playing();
@@ -137,6 +197,10 @@ test("broken pictures and messages are counted and skipped", async () => {
     '{"type":"pong","t":1e999}',
     '{"type":"welcome","version":1,"token":"short"}',
     '{"type":"error","message":7}',
+    '{"type":"waiting"}',
+    '{"type":"waiting","missing":"r2"}',
+    '{"type":"waiting","missing":[2]}',
+    `{"type":"waiting","missing":[${"\"\",".repeat(4096)}""]}`,
     `"${"a".repeat(70_000)}"`,
   ];
   for (const bytes of hostile_pictures) gateway.send_binary(bytes);

@@ -15,12 +15,17 @@ import {
   protocol_version,
 } from "./protocol";
 
-/** `refused`: the gateway said why; only the player can decide to try again. */
-export type ConnectionState = "connecting" | "joined" | "lost" | "refused";
+/**
+ * `waiting`: the gateway lets the player in once the world is complete. `refused`: it said why; only
+ * the player can decide to try again.
+ */
+export type ConnectionState = "connecting" | "waiting" | "joined" | "lost" | "refused";
 
 export interface ConnectionHandlers {
   on_state(state: ConnectionState): void;
   on_welcome(welcome: Welcome): void;
+  /** Every time that the gateway names what is missing. */
+  on_waiting(missing: string[]): void;
   on_status(status: Status): void;
   on_picture(picture: Picture): void;
   on_refused(sentence: string): void;
@@ -147,12 +152,15 @@ export class Connection {
   private take(message: ServerMessage): void {
     switch (message.type) {
       case "welcome":
-        if (this.lost_at_ms !== null) this.reconnects++;
-        this.lost_at_ms = null;
-        this.attempt_ = 0;
-        this.set_state("joined");
+        this.answered("joined");
         this.handlers_.on_welcome(message);
         this.send({ type: "ping", t: performance.now() });
+        return;
+      case "waiting":
+        // Who is in the world does not wait for it any more.
+        if (this.state_ === "joined") return;
+        this.answered("waiting");
+        this.handlers_.on_waiting(message.missing);
         return;
       case "status":
         if (this.state_ === "joined") this.handlers_.on_status(message);
@@ -166,6 +174,14 @@ export class Connection {
         this.refuse(message.message);
         return;
     }
+  }
+
+  /** The gateway took the join: the connection stands. */
+  private answered(state: "joined" | "waiting"): void {
+    if (this.lost_at_ms !== null) this.reconnects++;
+    this.lost_at_ms = null;
+    this.attempt_ = 0;
+    this.set_state(state);
   }
 
   private beat(): void {

@@ -41,6 +41,7 @@ export class Hud {
     text("stat-awake", grouped(status.awake));
     text("stat-quality", String(Math.round(status.quality)));
     element("carrying").hidden = !status.carrying;
+    text("touch-grab", status.carrying ? "Let go" : "Grab");
     const missing = status.regions - status.regions_up;
     element("regions-down").hidden = missing <= 0;
     text("regions-down-text", `${status.regions_up} of ${status.regions} regions up`);

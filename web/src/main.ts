@@ -54,6 +54,7 @@ const connection = new Connection(
   {
     on_state: connection_changed,
     on_welcome: welcomed,
+    on_waiting: (missing) => overlay.waiting_for(missing),
     on_status: (message) => {
       session.status = message;
       hud.status(message);
@@ -143,11 +144,17 @@ function obey(command: Command): void {
       return;
     case "fullscreen":
       if (document.fullscreenElement !== null) void document.exitFullscreen();
-      else
-        document.documentElement
-          .requestFullscreen?.()
-          .catch(() => hud.note("This browser does not allow full screen."));
+      else void enter_fullscreen();
       return;
+  }
+}
+
+async function enter_fullscreen(): Promise<void> {
+  try {
+    // Some phones do not even have the function.
+    await document.documentElement.requestFullscreen();
+  } catch {
+    hud.note("This browser does not allow full screen.");
   }
 }
 
@@ -223,7 +230,7 @@ function connection_changed(state: ConnectionState): void {
     hud.rates(null, null);
   }
   // Before the very first welcome the page is still arriving, and says so in its own way.
-  if (state === "lost") overlay.lost();
+  if (state === "lost") overlay.lost(session.player !== null);
   if (state === "refused") pointer.release();
   invite();
 }
@@ -280,6 +287,8 @@ for (const action of ["grab", "blast"] as const) {
 
 expose_statistics({ display, connection, input, look, pointer, view, session });
 void label_keys();
+// Where fingers are the rule, their buttons are there before the first touch.
+if (window.matchMedia("(pointer: coarse)").matches) document.body.classList.add("touch");
 draw_toggles();
 hud.choose(session.item);
 if (!options.autostart && recall("localStorage", "seen-help") === null) open_help(true);

@@ -26,6 +26,13 @@ export interface Welcome {
   throwables: string[];
 }
 
+/** The answer to `join` while regions are missing; comes again until `welcome` or `error`. */
+export interface Waiting {
+  type: "waiting";
+  /** Names of the regions that are not there yet. */
+  missing: string[];
+}
+
 export interface Status {
   type: "status";
   fps: number;
@@ -45,7 +52,7 @@ export interface Status {
 }
 
 export type ServerMessage =
-  Welcome | Status | { type: "pong"; t: number } | { type: "error"; message: string };
+  Welcome | Waiting | Status | { type: "pong"; t: number } | { type: "error"; message: string };
 
 export interface View {
   width: number;
@@ -137,6 +144,8 @@ export function parse_server_message(text: string): ServerMessage | null {
   switch (fields["type"]) {
     case "welcome":
       return parse_welcome(fields);
+    case "waiting":
+      return parse_waiting(fields);
     case "status":
       return parse_status(fields);
     case "pong":
@@ -180,6 +189,14 @@ function parse_welcome(fields: Record<string, unknown>): Welcome {
     throwables: list_of(fields["throwables"], "welcome.throwables", 16).map((item, i) =>
       string_of(item, `welcome.throwables[${i}]`, 40),
     ),
+  };
+}
+
+function parse_waiting(fields: Record<string, unknown>): Waiting {
+  const missing = list_of(fields["missing"], "waiting.missing", 4096);
+  return {
+    type: "waiting",
+    missing: missing.map((item, i) => string_of(item, `waiting.missing[${i}]`, 80)),
   };
 }
 

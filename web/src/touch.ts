@@ -1,4 +1,4 @@
-// Fingers: the left half of the screen is a stick that walks, the right half turns the view, and a
+// Fingers: the left of the screen is a stick that walks, the rest of it turns the view, and a
 // tap there throws.
 
 import { Look } from "./look";

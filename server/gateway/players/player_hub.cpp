@@ -7,6 +7,7 @@
 #include <chrono>
 #include <utility>
 
+#include "protocol/wire.h"
 #include "server/gateway/players/picking.h"
 #include "server/gateway/players/player_token.h"
 #include "server/gateway/players/seat.h"
@@ -17,8 +18,12 @@ namespace {
 
 /// A connection that has not said `join` by then is closed (µs).
 constexpr std::int64_t join_patience_us = 10'000'000;
-/// So long a player waits for regions that are not there (µs); the page then tries again.
+/// So long a player waits for regions that are not there (µs); then the page is told that they are
+/// missing, and closed.
 constexpr std::int64_t regions_patience_us = 30'000'000;
+/// One who waits is told what for this often (µs): a page that hears nothing takes the connection
+/// for lost after some seconds.
+constexpr std::int64_t waiting_word_us = 2'000'000;
 /// So long the regions are told that a player is gone, until they confirm it (µs).
 constexpr std::int64_t departing_us = 5'000'000;
 /// An avatar that no region knows of for so long will not come back by itself (µs).
@@ -28,6 +33,9 @@ constexpr std::size_t max_departing = 256;
 /// Deeds (throws, blasts …) of one player: so many a second for long, and so many at once.
 constexpr double actions_per_s = 15;
 constexpr double actions_burst = 30;
+
+constexpr const char* no_sessions_left =
+    "This avatar has been taken over too often to be taken over again; please join without a token";
 
 std::int64_t unix_ms() {
   return std::chrono::duration_cast<std::chrono::milliseconds>(
@@ -62,10 +70,25 @@ RegionId PlayerHub::home_of(PlayerId player) const {
   return version ? version->region : spawn_region(player);
 }
 
-std::uint32_t PlayerHub::new_session(PlayerId player) {
+std::optional<std::uint32_t> PlayerHub::new_session(PlayerId player, std::uint32_t after) {
+  newest_session_ = next_session(unix_ms(), newest_session_);
+  // What others have used for this player counts for this player alone: whoever makes up a number
+  // near the end does not use up everybody's.
   const auto known = regions_.store().player(player);
-  newest_session_ = next_session(unix_ms(), std::max(newest_session_, known ? known->session : 0));
-  return newest_session_;
+  const std::uint32_t taken = std::max(after, known ? known->session : 0);
+  if (taken >= session_max) return std::nullopt;
+  return std::max(newest_session_, taken + 1);
+}
+
+/// Those who have gone without a word, and whom their regions keep for a while.
+std::size_t PlayerHub::abandoned_avatars() const {
+  std::size_t count = 0;
+  for (const ReplicaPlayer& player : regions_.store().players()) count += player.connected ? 0 : 1;
+  for (const Departing& departing : departing_) {
+    const auto known = regions_.store().player(departing.session->player());
+    count += !known || known->connected ? 1 : 0;  // Its region has not heard of it yet.
+  }
+  return count;
 }
 
 // ---- Coming and going
@@ -119,7 +142,7 @@ void PlayerHub::on_closed(SeatId id, const std::string& reason) {
     spdlog::info("player {} is gone: {}", seat.session->name(), reason);
     seat.session->depart(/*lost=*/true);
     if (departing_.size() < max_departing)
-      departing_.push_back({seat.session, monotonic_us() + departing_us});
+      departing_.push_back({.session = seat.session, .until_us = monotonic_us() + departing_us});
   }
   end_session(seat);
   seats_.erase(at);
@@ -174,8 +197,15 @@ void PlayerHub::on_join(Seat& seat, JoinMessage message, std::int64_t now_us) {
       return refuse(seat, "This token cannot be used now; please join without one");
     }
   }
-  if (others >= static_cast<std::size_t>(options_.max_players))
+  const auto max_players = static_cast<std::size_t>(options_.max_players);
+  if (others >= max_players)
     return refuse(seat, fmt::format("This gateway is full: {} players are here", others));
+  // Each of them is a body, and a place that somebody may come back to.
+  if (seat.new_player)
+    if (const std::size_t abandoned = abandoned_avatars(); abandoned >= max_players)
+      return refuse(seat, fmt::format("The world still keeps the places of {} players who have "
+                                      "just gone; please try again in half a minute",
+                                      abandoned));
   seat.asked = std::move(message);
   seat.since_us = now_us;
   try_admit(seat, now_us);
@@ -193,15 +223,21 @@ void PlayerHub::try_admit(Seat& seat, std::int64_t now_us) {
   const bool ready =
       seat.new_player ? regions_.is_complete(spawn_region(player)) : regions_.all_complete();
   if (ready) return admit(seat, now_us);
-  if (now_us - seat.since_us < regions_patience_us) return;
-  refuse(seat, fmt::format("The world is not complete yet; missing: {}",
-                           fmt::join(regions_.missing(), ", ")));
+  const std::vector<std::string> missing =
+      seat.new_player ? std::vector{regions_.name_of(spawn_region(player))} : regions_.missing();
+  if (now_us - seat.since_us >= regions_patience_us)
+    return refuse(
+        seat, fmt::format("The world is not complete yet; missing: {}", fmt::join(missing, ", ")));
+  seat.connection->send_text(waiting_text(missing));
+  seat.word_due_us = now_us + waiting_word_us;
 }
 
 void PlayerHub::admit(Seat& seat, std::int64_t now_us) {
   const JoinMessage join = std::move(*seat.asked);
   seat.asked.reset();
   const PlayerId player = player_of_token(join.token);
+  const std::optional<std::uint32_t> number = new_session(player, 0);
+  if (!number) return refuse(seat, no_sessions_left);
   std::erase_if(departing_, [&](const Departing& d) { return d.session->player() == player; });
   const bool resumed = regions_.store().version(BodyId::avatar(player)).has_value();
   const std::uint16_t spawn = spawn_of(player);
@@ -211,7 +247,7 @@ void PlayerHub::admit(Seat& seat, std::int64_t now_us) {
   options.name = join.name;
   options.view = {.width = join.width, .height = join.height};
   options.look = {world_.spawn_points[spawn].yaw_rad, 0};
-  options.stream = {player, options_.gateway, new_session(player), spawn};
+  options.stream = {player, options_.gateway, *number, spawn};
   seat.session = std::make_shared<PlayerSession>(options);
   seat.view = std::make_shared<PlayerView>(stage_, seat.connection, seat.session);
   spdlog::info("player {} {} from {}", join.name, resumed ? "goes on" : "joins",
@@ -294,7 +330,7 @@ void PlayerHub::on_leave(Seat& seat, std::int64_t now_us) {
   seat.session->depart(/*lost=*/false);
   send_commands(*seat.session, now_us);
   if (departing_.size() < max_departing)
-    departing_.push_back({seat.session, now_us + departing_us});
+    departing_.push_back({.session = seat.session, .until_us = now_us + departing_us});
   spdlog::info("player {} leaves", seat.session->name());
   end_session(seat);
   refuse(seat, "You have left the world");
@@ -322,18 +358,23 @@ void PlayerHub::region_updated(RegionId region, std::int64_t now_us) {
   for (const Departing& departing : departing_) confirm(*departing.session);
 }
 
-void PlayerHub::replace_lost_avatar(Seat& seat, std::int64_t now_us) {
+Status PlayerHub::replace_lost_avatar(Seat& seat, std::int64_t now_us) {
   CommandStream& commands = seat.session->commands();
   const bool exists = regions_.store().version(BodyId::avatar(seat.session->player())).has_value();
+  bool must_restart = commands.must_restart(now_us);
   if (exists || !regions_.all_complete()) {
     seat.avatar_missing_since_us.reset();
   } else if (!seat.avatar_missing_since_us) {
     seat.avatar_missing_since_us = now_us;
   } else if (now_us - *seat.avatar_missing_since_us >= lost_avatar_us) {
     seat.avatar_missing_since_us = now_us;
-    commands.restart(new_session(seat.session->player()));
+    must_restart = true;
   }
-  if (commands.must_restart(now_us)) commands.restart(new_session(seat.session->player()));
+  if (!must_restart) return Ok{};
+  const auto number = new_session(seat.session->player(), commands.session());
+  if (!number) return Error{no_sessions_left};
+  commands.restart(*number);
+  return Ok{};
 }
 
 Status PlayerHub::play(Seat& seat, std::int64_t now_us) {
@@ -343,7 +384,7 @@ Status PlayerHub::play(Seat& seat, std::int64_t now_us) {
     return Error{"You have connected again from another place"};
   }
   if (auto status = session.tick(now_us); !status) return status;
-  replace_lost_avatar(seat, now_us);
+  if (auto status = replace_lost_avatar(seat, now_us); !status) return status;
   send_commands(session, now_us);
   seat.view->due(now_us);
   return Ok{};
@@ -355,7 +396,8 @@ void PlayerHub::frame(std::int64_t now_us) {
     if (seat->session) {
       if (auto status = play(*seat, now_us); !status) refuse(*seat, status.error().message);
     } else if (seat->asked) {
-      if (now_us - seat->since_us >= regions_patience_us) try_admit(*seat, now_us);
+      if (now_us >= std::min(seat->word_due_us, seat->since_us + regions_patience_us))
+        try_admit(*seat, now_us);
     } else if (now_us - seat->since_us >= join_patience_us) {
       refuse(*seat, "No \"join\" came");
     }
@@ -365,8 +407,13 @@ void PlayerHub::frame(std::int64_t now_us) {
 
 void PlayerHub::serve_departing(std::int64_t now_us) {
   for (const Departing& departing : departing_) send_commands(*departing.session, now_us);
+  const auto exists = [&](const Departing& d) {
+    return regions_.store().version(BodyId::avatar(d.session->player())).has_value();
+  };
+  for (Departing& departing : departing_) departing.avatar_seen |= exists(departing);
   std::erase_if(departing_, [&](const Departing& d) {
-    const bool avatar_gone = !regions_.store().version(BodyId::avatar(d.session->player()));
+    // The avatar of one who has gone at once is about to appear, and not gone.
+    const bool avatar_gone = d.avatar_seen && !exists(d);
     return now_us >= d.until_us || d.session->commands().all_applied() || avatar_gone ||
            d.session->commands().superseded();
   });

@@ -65,6 +65,7 @@ class PlayerHub {
   struct Departing {
     std::shared_ptr<PlayerSession> session;
     std::int64_t until_us;
+    bool avatar_seen = false;
   };
   using SeatId = std::uint64_t;
 
@@ -79,7 +80,7 @@ class PlayerHub {
   Status play(Seat& seat, std::int64_t now_us);
   void send_commands(PlayerSession& session, std::int64_t now_us);
   void send_status(Seat& seat, std::int64_t now_us);
-  void replace_lost_avatar(Seat& seat, std::int64_t now_us);
+  Status replace_lost_avatar(Seat& seat, std::int64_t now_us);
   void serve_departing(std::int64_t now_us);
   void end_session(Seat& seat);
   void refuse(Seat& seat, const std::string& sentence);
@@ -88,7 +89,9 @@ class PlayerHub {
   RegionId home_of(PlayerId player) const;
   std::uint16_t spawn_of(PlayerId player) const;
   RegionId spawn_region(PlayerId player) const;
-  std::uint32_t new_session(PlayerId player);
+  /// Higher than `after` and than all that is known of this player; nothing if there is none.
+  std::optional<std::uint32_t> new_session(PlayerId player, std::uint32_t after);
+  std::size_t abandoned_avatars() const;
 
   const WorldDefinition& world_;
   RegionSubscriber& regions_;

@@ -16,6 +16,7 @@ struct PlayerHub::Seat {
   bool closing = false;
   std::optional<JoinMessage> asked;  ///< Until the regions can answer.
   bool new_player = false;
+  std::int64_t word_due_us = 0;  ///< When one who waits is told again what for (local time).
   std::shared_ptr<PlayerSession> session;
   std::shared_ptr<PlayerView> view;
   std::string notice;

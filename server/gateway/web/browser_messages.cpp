@@ -294,6 +294,10 @@ std::string welcome_text(const WelcomeMessage& m) {
                  {"tick_ms", 16}});
 }
 
+std::string waiting_text(const std::vector<std::string>& missing) {
+  return dumped({{"type", "waiting"}, {"missing", missing}});
+}
+
 std::string status_text(const StatusMessage& m) {
   Json json = {{"type", "status"},
                {"fps", std::round(m.fps * 10) / 10},

@@ -121,6 +121,8 @@ struct StatusMessage {
 };
 
 std::string welcome_text(const WelcomeMessage& message);
+/// `missing`: names of the regions that a player has to wait for.
+std::string waiting_text(const std::vector<std::string>& missing);
 std::string status_text(const StatusMessage& message);
 std::string pong_text(double t);
 /// `message`: one sentence.

@@ -155,6 +155,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     if (e) return;  // reset or timed out: there is nobody to tell
 
     request_ = parser_->release();
+    if (request_.count(http::field::host) > 1)
+      return refuse(400, "A request has one Host; this one has several.");
     if (is_websocket(request_)) return upgrade();
     head_ = request_.method() == http::verb::head;
     if (!head_ && request_.method() != http::verb::get)

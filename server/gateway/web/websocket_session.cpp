@@ -22,6 +22,8 @@ using boost::asio::ip::tcp;
 using boost::system::error_code;
 
 /// So long a browser may take to hear an error, and to agree that the server goes.
+/// Longer than what is allowed, so that who sends too much is told so.
+constexpr std::size_t readable_bytes = 4 * max_browser_message_bytes;
 constexpr std::chrono::milliseconds last_words_time{2'000}, going_away_time{500};
 
 /// So many messages may come at once when the network had held them up.
@@ -71,7 +73,7 @@ class WebSocketSession : public Connection, public std::enable_shared_from_this<
     timeout.idle_timeout = std::chrono::seconds(options_.idle_s);
     timeout.keep_alive_pings = true;
     ws_.set_option(timeout);
-    ws_.read_message_max(max_browser_message_bytes);
+    ws_.read_message_max(readable_bytes);
     ws_.auto_fragment(false);  // a picture is one frame: header and data go out in one call
     upgrade_ = std::move(upgrade);
     ws_.async_accept(upgrade_,
@@ -224,7 +226,7 @@ class WebSocketSession : public Connection, public std::enable_shared_from_this<
   websocket::stream<beast::tcp_stream> ws_;
   asio::steady_timer linger_;
   http::request<http::empty_body> upgrade_;
-  beast::flat_buffer buffer_{max_browser_message_bytes};
+  beast::flat_buffer buffer_{readable_bytes};
   ConnectionEvents events_;
   TokenBucket bucket_;
   WebSocketOptions options_;

@@ -137,6 +137,60 @@ std::string plain(double value) {
   return fmt::format("{:g}", value);
 }
 
+/// Reads fields as the command line takes them, and keeps what is wrong with the first that is not
+/// so. Throws nlohmann's exception where a field is missing.
+class Fields {
+ public:
+  explicit Fields(const nlohmann::json& object) : object_(object) {}
+
+  void number(const char* key, double from, double to, double& into) {
+    const auto& value = object_.at(key);
+    if (value.is_number() && value.get<double>() >= from && value.get<double>() <= to)
+      into = value.get<double>();
+    else
+      refuse(key, fmt::format("a number from {:g} to {:g}", from, to));
+  }
+  void whole(const char* key, int from, int to, int& into) {
+    const auto& value = object_.at(key);
+    // As a double first: whole numbers may be too large for an int.
+    if (value.is_number_integer() && value.get<double>() >= from && value.get<double>() <= to)
+      into = value.get<int>();
+    else
+      refuse(key, fmt::format("a whole number from {} to {}", from, to));
+  }
+  void seed(const char* key, std::uint64_t& into) {
+    const auto& value = object_.at(key);
+    if (value.is_number_unsigned())
+      into = value.get<std::uint64_t>();
+    else
+      refuse(key, "a whole number that is not negative");
+  }
+  void word(const char* key, const std::vector<std::string>& known, std::string& into) {
+    const auto& value = object_.at(key);
+    if (value.is_string() && std::count(known.begin(), known.end(), value.get<std::string>()) > 0)
+      into = value.get<std::string>();
+    else
+      refuse(key, fmt::format("one of {}", fmt::join(known, ", ")));
+  }
+  void flag(const char* key, bool& into) {
+    const auto& value = object_.at(key);
+    if (value.is_boolean())
+      into = value.get<bool>();
+    else
+      refuse(key, "true or false");
+  }
+  Status end() const { return end_; }
+
+ private:
+  /// Says nothing of the value: what stands in a file may be any text of any length.
+  void refuse(const char* key, const std::string& expected) {
+    if (end_) end_ = Error::format("`{}` of the run is wrong; expected {}", key, expected);
+  }
+
+  const nlohmann::json& object_;
+  Status end_ = Ok{};
+};
+
 }  // namespace
 
 std::string_view word_of(Study study) {
@@ -237,24 +291,27 @@ Result<PlannedRun> planned_run_from(const nlohmann::json& value) {
     const auto study = study_from(value.at("study").get<std::string>());
     if (!study) return Error{"`study` is none of the studies"};
     run.study = *study;
-    value.at("layout").get_to(run.layout);
-    value.at("servers").get_to(run.servers);
-    value.at("mode").get_to(run.mode);
-    value.at("seconds").get_to(run.seconds);
-    value.at("rate_per_s").get_to(run.rate_per_s);
-    value.at("repeats").get_to(run.repeats);
-    value.at("seed").get_to(run.seed);
-    value.at("latency_ms").get_to(run.network.latency_ms);
-    value.at("jitter_ms").get_to(run.network.jitter_ms);
-    value.at("loss_pct").get_to(run.network.loss_pct);
-    value.at("speed_tolerance_mps").get_to(run.tolerances.speed_mps);
-    value.at("latency_tolerance_ms").get_to(run.tolerances.latency_ms);
-    value.at("tolerances_follow").get_to(run.tolerances.follow);
-    value.at("judged").get_to(run.judged);
-    value.at("references").get_to(run.references);
+    Fields fields(value);
+    fields.word("layout", {"column", "corner", "grid"}, run.layout);
+    fields.whole("servers", 1, 64, run.servers);
+    fields.word("mode", {"single", "naive", "paper", "adaptive", "ideal", "cut"}, run.mode);
+    fields.number("seconds", 0.5, 3600, run.seconds);
+    fields.number("rate_per_s", 1, 10'000, run.rate_per_s);
+    fields.whole("repeats", 1, 100, run.repeats);
+    fields.seed("seed", run.seed);
+    fields.number("latency_ms", 0, 1000, run.network.latency_ms);
+    fields.number("jitter_ms", 0, 1000, run.network.jitter_ms);
+    fields.number("loss_pct", 0, 20, run.network.loss_pct);
+    fields.number("speed_tolerance_mps", 0.1, 1000, run.tolerances.speed_mps);
+    fields.number("latency_tolerance_ms", 0, 1000, run.tolerances.latency_ms);
+    fields.flag("tolerances_follow", run.tolerances.follow);
+    fields.flag("judged", run.judged);
+    fields.flag("references", run.references);
     // Files of older builds do not say these.
-    run.single = value.value("single", run.references && run.mode == "adaptive");
-    run.cold_caches_s = value.value("cold_caches_s", 0.0);
+    run.single = run.references && run.mode == "adaptive";
+    if (value.contains("single")) fields.flag("single", run.single);
+    if (value.contains("cold_caches_s")) fields.number("cold_caches_s", 0, 3600, run.cold_caches_s);
+    if (const Status end = fields.end(); !end) return end.error();
     return run;
   } catch (const nlohmann::json::exception& wrong) {
     return Error{wrong.what()};

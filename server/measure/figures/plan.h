@@ -69,7 +69,8 @@ struct PlannedRun {
 };
 
 nlohmann::json to_json(const PlannedRun& run);
-/// Errors: a field that is missing or of the wrong kind, by its name.
+/// Errors: a field that is missing, of the wrong kind, or not as `aureole experiment` takes it, by
+/// its name.
 Result<PlannedRun> planned_run_from(const nlohmann::json& value);
 
 struct PlanOptions {

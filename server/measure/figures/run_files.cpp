@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fstream>
+#include <optional>
 #include <sstream>
 #include <tuple>
 
@@ -13,10 +15,45 @@ namespace aureole {
 namespace {
 
 constexpr std::uintmax_t largest_report_bytes = 256u << 20;
+constexpr double largest_number = 1e15;
+constexpr int deepest = 32;  ///< Of values in values; a report has about five.
 
 bool is_number(const nlohmann::json& value, const char* key) {
   const auto found = value.find(key);
   return found != value.end() && found->is_number();
+}
+
+/// What a file says goes into pages and onto terminals: short, and of characters that mean nothing.
+bool is_plain(const std::string& text) {
+  return !text.empty() && text.size() <= 100 && std::all_of(text.begin(), text.end(), [](char c) {
+    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+           std::string_view(" ._+-").find(c) != std::string_view::npos;
+  });
+}
+
+/// The first value that cannot be one of a report.
+struct WrongValue {
+  std::string path, what;
+};
+
+std::optional<WrongValue> wrong_value_in(const nlohmann::json& value, bool is_seed = false,
+                                         int depth = 0) {
+  // Seeds are names, not amounts.
+  if (value.is_number() && !(is_seed && value.is_number_unsigned()) &&
+      !(std::abs(value.get<double>()) <= largest_number))
+    return WrongValue{"", fmt::format("is {:g}; expected a number from {:g} to {:g}",
+                                      value.get<double>(), -largest_number, largest_number)};
+  if (!value.is_structured()) return std::nullopt;
+  if (depth == deepest)
+    return WrongValue{"", fmt::format("is inside {} others; expected fewer", deepest)};
+  for (const auto& item : value.items()) {
+    auto wrong = wrong_value_in(item.value(), item.key() == "seed", depth + 1);
+    if (!wrong) continue;
+    const std::string name = is_plain(item.key()) ? item.key() : "?";
+    wrong->path = wrong->path.empty() ? name : name + "/" + wrong->path;
+    return wrong;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -53,6 +90,8 @@ Result<nlohmann::json> read_report(const std::filesystem::path& file) {
       }))
     return Error::format("{} is no report of an experiment: it has no `buckets` with times",
                          file.string());
+  if (const auto wrong = wrong_value_in(report))
+    return Error::format("{}: `{}` {}", file.string(), wrong->path, wrong->what);
   return report;
 }
 
@@ -69,6 +108,10 @@ Result<FinishedRun> read_run(const std::filesystem::path& file) {
                     made->at("arguments").get<std::vector<std::string>>(),
                     made->at("build").get<std::string>(),
                     {}};
+    if (!is_plain(run.build))
+      return Error::format(
+          "{}: `run/build` is wrong; expected at most 100 letters, digits, spaces and dots",
+          file.string());
     run.report = std::move(*report);
     return run;
   } catch (const nlohmann::json::exception& wrong) {

@@ -25,12 +25,13 @@ Result<std::string> build_version(const std::filesystem::path& executable);
 /// DIR/runs/NAME.json
 std::filesystem::path run_file(const std::filesystem::path& out, const PlannedRun& run);
 
-/// Reads a report as the child has written it. Errors: not there, too large (256 MiB), not JSON, or
-/// not the report of an experiment that came to its end.
+/// Reads a report as the child has written it. Errors: not there, too large (256 MiB), not JSON,
+/// not the report of an experiment that came to its end, or with a number beyond ±1e15 in it (seeds
+/// aside): nothing that is measured is so large, and nothing could be drawn beside it.
 Result<nlohmann::json> read_report(const std::filesystem::path& file);
 
 /// A run that was finished. Errors: those of read_report(), and a file that does not say how it was
-/// made.
+/// made, or says what `aureole experiment` does not take.
 Result<FinishedRun> read_run(const std::filesystem::path& file);
 
 /// Under a name of its own first, renamed when it is whole. Errors: it cannot be written.

@@ -38,6 +38,9 @@ Result<Introduction> read_hello(const FrameView& frame, const PeerLinksOptions& 
   if (hello->id() >= PeerId::first_gateway)
     return Error::format("server number {} in a hello; expected less than {}", hello->id(),
                          PeerId::first_gateway);
+  if (hello->role() == wire::Role::region && hello->id() >= self.region_count)
+    return Error::format("region r{} in a hello; this world has {} regions", hello->id(),
+                         self.region_count);
   const PeerId peer = hello->role() == wire::Role::region ? PeerId::region(RegionId{hello->id()})
                                                           : PeerId::gateway(hello->id());
   if (hello->role() != wire::Role::region && hello->role() != wire::Role::gateway)

@@ -30,6 +30,8 @@ constexpr std::size_t round_trips_kept = 16;
 /// The first few may have waited for a peer that is still starting.
 constexpr std::size_t round_trips_wanted = 4;
 constexpr std::size_t strangers_max = 256;
+/// Each is told of everything, and may leave 64 MiB of it unread.
+constexpr std::size_t gateways_max = 64;
 
 }  // namespace
 
@@ -53,6 +55,7 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
   std::map<PeerId, Established> peers;
   std::map<PeerId, Incarnation> met;
   std::map<Link*, std::shared_ptr<Link>> strangers;  ///< In their handshake.
+  bool was_full = false;                             ///< Of strangers, when the last one came.
   bool stopped = false;
 
   Impl(boost::asio::io_context& context, PeerLinksOptions o, WorldClock& c, Events e)
@@ -69,6 +72,10 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
                        [&](const DiallerPtr& d) { return d->peer() == peer; });
   }
   bool running() const { return events.running && events.running(); }
+  std::size_t gateways_linked() const {
+    return static_cast<std::size_t>(std::count_if(
+        peers.begin(), peers.end(), [](const auto& peer) { return !peer.first.is_region(); }));
+  }
   Incarnation met_before(PeerId peer) const {
     const auto it = met.find(peer);
     return it == met.end() ? Incarnation{} : it->second;
@@ -88,7 +95,11 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
         });
         return;
       }
-      if (self->strangers.size() < strangers_max)
+      const bool is_full = self->strangers.size() >= strangers_max;
+      if (is_full && !self->was_full)
+        spdlog::warn("refuses connections: {} have not said who they are yet", strangers_max);
+      self->was_full = is_full;
+      if (!is_full)
         self->introduce(std::make_shared<Link>(std::move(socket), self->options.max_queued_bytes),
                         nullptr);
       self->accept();
@@ -170,6 +181,9 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
     if (introduction && !dialler && dials(introduction->peer))
       introduction =
           Error::format("{} is dialled from here and does not dial", describe(introduction->peer));
+    if (introduction && !introduction->peer.is_region() && !peers.contains(introduction->peer) &&
+        gateways_linked() >= gateways_max)
+      introduction = Error::format("{} gateways are linked already", gateways_max);
     if (introduction && introduction->hello.incarnation < met_before(introduction->peer))
       introduction =
           Error::format("{} {} is known", newer_start_known, describe(introduction->peer));

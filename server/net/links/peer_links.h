@@ -29,7 +29,8 @@ struct PeerLinksOptions {
   PeerId self;
   Incarnation incarnation;
   std::uint64_t world_hash = 0;
-  std::vector<PeerAddress> dial;  ///< Dialled again for ever.
+  std::size_t region_count = PeerId::first_gateway;  ///< Of the world; no peer has a higher number.
+  std::vector<PeerAddress> dial;                     ///< Dialled again for ever.
   /// Frames queued towards one peer; past it the link is reset, and whatever must not be lost is
   /// sent again by the journal.
   std::size_t max_queued_bytes = 64u << 20;

@@ -256,3 +256,114 @@ TEST_CASE(
   REQUIRE(a.wait_for_end());
   REQUIRE(b.wait_for_pictures(b.pictures() + 10));
 }
+
+TEST_CASE("Who joins while a region is missing is told which, again and again, and kept") {
+  FakeRegion east(world(), {.id = RegionId{1}, .bodies = 3});
+  PeerAddress nobody{PeerId::region(RegionId{0}), {"127.0.0.1", 1}};
+  RunningGateway gateway({nobody, east.address()});
+  ViewClientOptions options;
+  options.gateway = gateway.at;
+  ViewClient client(options);
+  REQUIRE(client.connect());
+  for (int times = 0; times < 3; ++times) {
+    const auto word = client.wait_for_text("\"waiting\"");
+    REQUIRE(word);
+    CHECK(Json::parse(*word)["missing"] == Json::array({"west"}));
+  }
+  CHECK(gateway.rejection().empty());
+}
+
+TEST_CASE("Places of those who have gone without a word do not fill the world") {
+  FakeRegion west(world(), {.id = RegionId{0}}), east(world(), {.id = RegionId{1}});
+  RunningGateway gateway({west.address(), east.address()}, 2);
+  gateway.wait_until_healthy();
+  ViewClientOptions options;
+  options.gateway = gateway.at;
+  std::string token;
+  for (const bool at_once : {false, true}) {
+    ViewClient client(options);
+    REQUIRE(client.connect());
+    const Json welcome = welcome_of(client);
+    if (!at_once) {
+      token = welcome["token"];
+      REQUIRE(client.wait_for_text("\"region\":\"west\""));
+    }
+    client.drop();
+    RunningGateway::wait_for([&] { return gateway.status()["players"] == 0; });
+  }
+  ViewClient third(options);
+  REQUIRE(third.connect());
+  const auto error = third.wait_for_text("\"error\"");
+  REQUIRE(error);
+  CHECK(error->find("places of 2 players") != std::string::npos);
+  REQUIRE(third.wait_for_end());
+
+  // Whoever comes back has a place already; and when it is given up somebody else may have it.
+  options.token = token;
+  ViewClient back(options);
+  REQUIRE(back.connect());
+  CHECK(welcome_of(back)["resumed"] == true);
+  back.send(R"({"type":"leave"})");
+  REQUIRE(back.wait_for_end());
+  options.token.clear();
+  RunningGateway::wait_for([&] {
+    ViewClient next(options);
+    REQUIRE(next.connect());
+    const auto answer = next.wait_for_text("\"type\"");
+    return answer && answer->find("\"welcome\"") != std::string::npos;
+  });
+}
+
+TEST_CASE("A session number that somebody made up spoils that one player, and nobody else") {
+  Stage2 stage;
+  ViewClient victim(stage.client());
+  REQUIRE(victim.connect());
+  const Json welcome = welcome_of(victim);
+  RunningGateway::wait_for([&] { return stage.west.has_avatar(player_in(welcome)); });
+  stage.west.make_up_session(player_in(welcome), session_max);
+  REQUIRE(victim.wait_for_end());
+
+  ViewClient again(stage.client(welcome["token"]));
+  REQUIRE(again.connect());
+  const auto error = again.wait_for_text("\"error\"");
+  REQUIRE(error);
+  CHECK(error->find("join without a token") != std::string::npos);
+
+  ViewClient other(stage.client());
+  REQUIRE(other.connect());
+  const PlayerId fresh = player_in(welcome_of(other));
+  RunningGateway::wait_for([&] { return stage.west.has_avatar(fresh); });
+  for (const auto& command : stage.west.applied())
+    if (command.player() == fresh.value) CHECK(command.session() < session_max / 2);
+}
+
+TEST_CASE("A gateway that no region will ever take says so to its owner") {
+  FakeRegion west(world(), {.id = RegionId{0}}), east(world(), {.id = RegionId{1}});
+  SECTION("of another world") {
+    WorldDefinition other = world();
+    other.hash += 1;
+    RunningGateway gateway({west.address(), east.address()}, 8, other);
+    RunningGateway::wait_for([&] { return !gateway.rejection().empty(); });
+    CHECK(gateway.rejection().find("another world") != std::string::npos);
+  }
+  SECTION("under a number that another one has") {
+    RunningGateway first({west.address(), east.address()});
+    first.wait_until_healthy();
+    RunningGateway second({west.address(), east.address()}, 8, world(), Incarnation{2});
+    RunningGateway::wait_for([&] { return !first.rejection().empty(); });
+    CHECK(first.rejection().find("--number") != std::string::npos);
+    CHECK(second.rejection().empty());
+  }
+}
+
+TEST_CASE("A message that is too long is answered with a sentence") {
+  Stage2 stage;
+  ViewClient client(stage.client());
+  REQUIRE(client.connect());
+  (void)welcome_of(client);
+  client.send(R"({"type":"ping","t":1,"x":")" + std::string(5000, 'x') + "\"}");
+  const auto error = client.wait_for_text("\"error\"");
+  REQUIRE(error);
+  CHECK(error->find("4096") != std::string::npos);
+  REQUIRE(client.wait_for_end());
+}

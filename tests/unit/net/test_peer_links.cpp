@@ -32,11 +32,13 @@ struct Server {
 
   Server(boost::asio::io_context& io, PeerId self, std::vector<PeerAddress> dial = {},
          std::uint64_t hash = world_hash, std::uint64_t incarnation = 1,
-         std::size_t queue = 64u << 20, std::uint16_t listen_port = 0) {
+         std::size_t queue = 64u << 20, std::uint16_t listen_port = 0,
+         std::size_t region_count = 16) {
     PeerLinksOptions options;
     options.self = self;
     options.incarnation = Incarnation{incarnation};
     options.world_hash = hash;
+    options.region_count = region_count;
     options.dial = std::move(dial);
     options.max_queued_bytes = queue;
     links = std::make_unique<PeerLinks>(
@@ -138,6 +140,36 @@ TEST_CASE("a server of another world is refused with a sentence on both sides") 
   REQUIRE(b.refusals[0].find("same world file") != std::string::npos);
   REQUIRE(a.up.empty());
   REQUIRE(b.up.empty());
+}
+
+TEST_CASE("a region that the world does not have is refused with a sentence") {
+  boost::asio::io_context io;
+  Server a(io, PeerId{0}, {}, world_hash, 1, 64u << 20, 0, 2);
+  Server b(io, PeerId{2}, {at(PeerId{0}, a.port)});
+  REQUIRE(run_until(io, [&] { return !b.refusals.empty(); }));
+  CHECK(b.refusals[0].find("region r2 in a hello; this world has 2 regions") != std::string::npos);
+  CHECK(a.up.empty());
+}
+
+TEST_CASE("so many gateways are linked, and the next one is told that") {
+  boost::asio::io_context io;
+  Server region(io, PeerId{0});
+  std::vector<std::unique_ptr<Server>> gateways;
+  const auto come = [&] {
+    gateways.push_back(
+        std::make_unique<Server>(io, PeerId::gateway(static_cast<std::uint16_t>(gateways.size())),
+                                 std::vector{at(PeerId{0}, region.port)}));
+  };
+  while (gateways.size() < 64) come();
+  REQUIRE(run_until(io, [&] { return region.up.size() == 64; }));
+  come();
+  REQUIRE(run_until(io, [&] { return !gateways.back()->refusals.empty(); }));
+  CHECK(gateways.back()->refusals[0].find("64 gateways") != std::string::npos);
+  CHECK(region.up.size() == 64);
+  CHECK(region.down.empty());
+  // One that comes again takes its own place.
+  Server again(io, PeerId::gateway(7), {at(PeerId{0}, region.port)}, world_hash, 2);
+  REQUIRE(run_until(io, [&] { return !again.up.empty(); }));
 }
 
 TEST_CASE("who dials the wrong server is told so") {

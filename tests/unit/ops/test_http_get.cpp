@@ -77,6 +77,15 @@ TEST_CASE("what is not an http URL is refused") {
   REQUIRE_FALSE(parse_http_url(url));
 }
 
+TEST_CASE("who asks over https is told to ask the gateway itself") {
+  const auto url = parse_http_url("https://localhost:8080/api/status");
+  REQUIRE_FALSE(url);
+  REQUIRE(url.error().message.find("only http:// is spoken here") != std::string::npos);
+  REQUIRE(url.error().message.find("gateway's own, like http://localhost:8080") !=
+          std::string::npos);
+  REQUIRE(parse_http_url("foo").error().message == "'foo' is not a URL like http://localhost:8080");
+}
+
 TEST_CASE("an answer falls into status and body; the body ends where its length says") {
   const auto answer =
       parse_http_answer("HTTP/1.1 503 No\r\nContent-LENGTH: 4\r\n\r\nbusy and more");

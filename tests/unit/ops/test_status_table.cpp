@@ -36,16 +36,38 @@ TEST_CASE("a region that recovers is there, but not up") {
 TEST_CASE("a tolerance that is not kept is named with its region, its peer and its tick") {
   std::string marked = two_regions;
   const std::string last = R"("migrations_out": 1)";
+  marked.replace(marked.find("\"up\": false"), 11, "\"up\": true");
+  marked.replace(marked.find("south\\u001b[2J"), 14, "south");
   marked.replace(marked.find(last), last.size(), last + R"(, "missed_blows": 3, "outside": [
     {"tolerance": "latency", "peer": "south", "since_tick": 625, "value": 5.25, "limit": 2, "unit": "ms"},
+    {"tolerance": "link", "peer": "south", "since_tick": 626, "value": 12, "limit": 4, "unit": "ticks without word"},
     {"tolerance": "speed", "peer": null, "since_tick": 630, "value": 40, "limit": 32, "unit": "m/s"}])");
   const auto status = parse_world_status(marked);
   REQUIRE(status);
   const std::string table = status_table(*status);
   REQUIRE(table.ends_with(
       "! north is outside its latency tolerance towards south since tick 625: 5.2 ms, at most 2\n"
+      "! north is outside its link tolerance towards south since tick 626: 12 ticks without word, "
+      "at "
+      "most 4\n"
       "! north is outside its speed tolerance since tick 630: 40.0 m/s, at most 32\n"
       "! north has missed 3 blows on other regions' resting bodies since its start\n"));
+}
+
+TEST_CASE("links towards a region that is down have no lines beside its own") {
+  std::string marked = two_regions;
+  const std::string last = R"("migrations_out": 1)";
+  marked.replace(marked.find(last), last.size(), last + R"(, "outside": [
+    {"tolerance": "latency", "peer": "south\u001b[2J", "since_tick": 625, "value": 5, "limit": 2, "unit": "ms"},
+    {"tolerance": "link", "peer": "south\u001b[2J", "since_tick": 626, "value": 900, "limit": 4, "unit": "ticks without word"},
+    {"tolerance": "speed", "peer": null, "since_tick": 630, "value": 40, "limit": 32, "unit": "m/s"}])");
+  const auto status = parse_world_status(marked);
+  REQUIRE(status);
+  const std::string table = status_table(*status);
+  REQUIRE(table.find("DOWN") != std::string::npos);
+  REQUIRE(table.find("towards") == std::string::npos);
+  REQUIRE(table.ends_with(
+      "! north is outside its speed tolerance since tick 630: 40.0 m/s, at most 32\n"));
 }
 
 TEST_CASE("a region is found by its name or by its number") {

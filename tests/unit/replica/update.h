@@ -64,8 +64,8 @@ class Update {
     return *this;
   }
   Update& player(std::uint32_t player, std::uint32_t session, std::uint32_t applied,
-                 BodyId carried = {}) {
-    players_.emplace_back(player, session, applied, true, carried.value);
+                 BodyId carried = {}, bool connected = true) {
+    players_.emplace_back(player, session, applied, connected, carried.value);
     return *this;
   }
   Update& complete() {

@@ -44,6 +44,10 @@ double text_px(const std::string& text) {
   return 7.1 * static_cast<double>(text.size());
 }
 
+/// What is further away from 1 is drawn as this: steps between ticks would be 0 or infinite.
+constexpr double smallest_drawn = 1e-300, largest_drawn = 1e300;
+constexpr int most_ticks = 11;
+
 class Script {
  public:
   explicit Script(const Sheet& sheet) : sheet_(sheet) {
@@ -232,7 +236,7 @@ std::string ordered_colour(std::size_t step, std::size_t steps) {
 }
 
 Scale linear_scale(std::string label, double largest) {
-  if (!(largest > 0)) largest = 1;
+  largest = largest > smallest_drawn ? std::min(largest, largest_drawn) : 1;
   const double rough = largest / 4, power = std::pow(10, std::floor(std::log10(rough)));
   double step = 10 * power;
   for (const double nice : {1.0, 2.0, 2.5, 5.0})
@@ -240,17 +244,20 @@ Scale linear_scale(std::string label, double largest) {
       step = nice * power;
       break;
     }
-  Scale scale{std::move(label), 0, std::ceil(largest / step - 1e-9) * step, false, {}, true};
-  for (int i = 0; i * step <= scale.to * (1 + 1e-9); ++i)
-    scale.ticks.push_back({i * step, fmt::format("{:g}", i * step)});
+  const int steps = std::min(static_cast<int>(std::ceil(largest / step - 1e-9)), most_ticks - 1);
+  Scale scale{std::move(label), 0, steps * step, false, {}, true};
+  for (int i = 0; i <= steps; ++i) scale.ticks.push_back({i * step, fmt::format("{:g}", i * step)});
   return scale;
 }
 
 Scale log_scale(std::string label, double smallest, double largest) {
-  Scale scale{std::move(label), smallest, std::max(largest, smallest * 1.1), true, {}, true};
+  smallest = smallest > smallest_drawn ? std::min(smallest, largest_drawn) : smallest_drawn;
+  largest = std::max(smallest * 1.1, std::min(largest, largest_drawn));
+  Scale scale{std::move(label), smallest, largest, true, {}, true};
   const int low = static_cast<int>(std::floor(std::log10(scale.from))),
             high = static_cast<int>(std::ceil(std::log10(scale.to)));
-  for (int power = low; power <= high; ++power)
+  const int stride = 1 + (high - low) / most_ticks;
+  for (int power = low; power <= high; power += stride)
     for (const double digit : {1.0, 2.0, 5.0}) {
       const double at = digit * std::pow(10, power);
       if (high - low > 4 && digit > 1) continue;

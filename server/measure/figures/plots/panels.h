@@ -39,9 +39,10 @@ struct Scale {
   std::vector<AxisTick> ticks;
   bool named = true;  ///< Whether label and ticks' texts are written.
 };
-/// From 0 to at least `largest`, at round numbers.
+/// From 0 to at least `largest`, at round numbers; at most 11 ticks, whatever `largest` is.
 Scale linear_scale(std::string label, double largest);
-/// `smallest` and `largest` are above 0; ticks at 1, 2 and 5, or only at 1 if there are many.
+/// `smallest` and `largest` are above 0; ticks at 1, 2 and 5, or only at 1 if there are many:
+/// at most 13, whatever they are.
 Scale log_scale(std::string label, double smallest, double largest);
 
 using Points = std::vector<std::pair<double, double>>;

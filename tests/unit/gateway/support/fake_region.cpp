@@ -62,6 +62,11 @@ bool FakeRegion::has_avatar(PlayerId player) const {
   return avatars_.contains(player.value);
 }
 
+void FakeRegion::make_up_session(PlayerId player, std::uint32_t session) {
+  const std::lock_guard lock(mutex_);
+  avatars_.at(player.value).session = session;
+}
+
 void FakeRegion::tick() {
   ++tick_;
   publish(false);
@@ -104,7 +109,7 @@ void FakeRegion::publish(bool whole) {
                 .slot = slot++,
                 .position = at,
                 .prototype = avatar_kind.value});
-    update.player(player, avatar.session, avatar.applied, BodyId{avatar.carried});
+    update.player(player, avatar.session, avatar.applied, BodyId{avatar.carried}, avatar.connected);
   }
   for (const std::uint32_t player : removed_)
     update.removed(BodyId::avatar(PlayerId{player}), version);

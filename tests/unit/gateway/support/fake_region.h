@@ -38,6 +38,8 @@ class FakeRegion {
   /// Every command that was applied, in order.
   std::vector<wire::Command> applied() const;
   bool has_avatar(PlayerId player) const;
+  /// From now on it says that this player's avatar is of that session.
+  void make_up_session(PlayerId player, std::uint32_t session);
 
  private:
   struct Avatar {

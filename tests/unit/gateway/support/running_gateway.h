@@ -5,6 +5,7 @@
 #include <boost/asio/post.hpp>
 #include <chrono>
 #include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
@@ -30,8 +31,10 @@ inline const WorldDefinition& world() {
 class RunningGateway {
  public:
   explicit RunningGateway(std::vector<PeerAddress> regions, int max_players = 8,
-                          const WorldDefinition& of = world())
-      : gateway_(std::make_unique<Gateway>(io_, of, options(std::move(regions), max_players))) {
+                          const WorldDefinition& of = world(),
+                          Incarnation incarnation = Incarnation{1})
+      : gateway_(std::make_unique<Gateway>(io_, of,
+                                           options(std::move(regions), max_players, incarnation))) {
     const auto port = gateway_->start();
     if (!port) FAIL(port.error().message);
     at = {"127.0.0.1", *port};
@@ -49,6 +52,11 @@ class RunningGateway {
     REQUIRE(answer);
     return *answer;
   }
+  /// What it has told its owner last; empty: nothing.
+  std::string rejection() const {
+    const std::lock_guard lock(mutex_);
+    return rejection_;
+  }
   /// Asks until the answer is as wanted; the clock only ends a test that would hang.
   void wait_until_healthy() const {
     wait_for([&] { return get("/healthz").status == 200; });
@@ -65,16 +73,23 @@ class RunningGateway {
   Endpoint at;
 
  private:
-  static GatewayOptions options(std::vector<PeerAddress> regions, int max_players) {
+  GatewayOptions options(std::vector<PeerAddress> regions, int max_players,
+                         Incarnation incarnation) {
     GatewayOptions o;
     o.number = 5;
-    o.incarnation = Incarnation{1};
+    o.incarnation = incarnation;
+    o.rejected = [this](const std::string& why) {
+      const std::lock_guard lock(mutex_);
+      rejection_ = why;
+    };
     o.listen = {"127.0.0.1", 0};
     o.regions = std::move(regions);
     o.render_threads = 1;
     o.max_players = max_players;
     return o;
   }
+  mutable std::mutex mutex_;
+  std::string rejection_;
   boost::asio::io_context io_;
   boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_ =
       boost::asio::make_work_guard(io_);

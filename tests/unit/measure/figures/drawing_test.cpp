@@ -216,6 +216,47 @@ TEST_CASE("runs come back from their files as they were written, broken ones wit
           small_run(run.plan.study, run.plan.mode, run.plan.servers).report["buckets"]);
 }
 
+TEST_CASE(
+    "a run with a number that cannot be one is left out with its file, key and what is taken") {
+  const auto out = folder();
+  std::filesystem::create_directories(out->path() / "runs");
+  FinishedRun run = small_run(Study::fig5, "adaptive", 2);
+  const auto file = run_file(out->path(), run.plan);
+  run.plan.seed = 18'000'000'000'000'000'000u;  // A seed may be any.
+  run.report["experiment"]["seed"] = run.plan.seed;
+  REQUIRE(write_run(file, run));
+  REQUIRE(read_run(file));
+
+  const auto refused = [&](const FinishedRun& odd) {
+    REQUIRE(write_run(file, odd));
+    std::vector<std::string> notes;
+    CHECK(read_runs(out->path(), {}, notes).empty());
+    REQUIRE(notes.size() == 1);
+    CHECK(notes[0].find(file.string()) == 0);
+    return notes[0];
+  };
+  for (const double value : {1.7e308, -1.1e15}) {
+    FinishedRun odd = run;
+    odd.report["buckets"][1]["worst_server_ms"] = value;
+    CHECK(refused(odd) ==
+          fmt::format("{}: `buckets/1/worst_server_ms` is {:g}; expected a number from -1e+15 to "
+                      "1e+15; it is left out",
+                      file.string(), value));
+  }
+  FinishedRun odd = run;
+  odd.report["`\n# a heading"] = 1e16;
+  CHECK(refused(odd).find(": `?` is 1e+16; expected") != std::string::npos);
+  odd = run;
+  for (int n = 0; n < 1000; ++n) odd.report["deep"] = nlohmann::json::array({odd.report["deep"]});
+  CHECK(refused(odd).find("expected fewer") != std::string::npos);
+  odd = run;
+  odd.plan.mode = "sideways";
+  CHECK(refused(odd).find("`mode` of the run is wrong") != std::string::npos);
+  odd = run;
+  odd.build = "0.1.0` | <b>";
+  CHECK(refused(odd).find("`run/build` is wrong") != std::string::npos);
+}
+
 TEST_CASE("no runs give no figures") {
   std::vector<std::string> notes;
   CHECK(figures_of({}, notes).empty());

@@ -1,6 +1,8 @@
 // Scales, places of labels, and text that must mean nothing to gnuplot.
 #include "server/measure/figures/plots/panels.h"
 
+#include <cmath>
+#include <limits>
 #include <set>
 
 #include "tests/support/catch.h"
@@ -21,6 +23,27 @@ TEST_CASE("a linear scale ends at a round number that is large enough") {
   }
   CHECK(linear_scale("", 0).to == 1);
   CHECK(linear_scale("", 100).ticks[1].text == "25");
+}
+
+TEST_CASE("no number gives a scale more ticks than can be drawn") {
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  for (const double largest : {1.7e308, 9.9e307, 1e15, 1e-15, 1e-300, 5e-324, 0.0, -1.0, infinite,
+                               -infinite, std::nan("")}) {
+    CAPTURE(largest);
+    const Scale linear = linear_scale("", largest);
+    CHECK(std::isfinite(linear.to));
+    CHECK(linear.to > 0);
+    CHECK(linear.ticks.size() >= 2);
+    CHECK(linear.ticks.size() <= 11);
+    for (const double smallest : {1.7e308, 1e15, 1e-15, 5e-324, 0.0, infinite, std::nan("")}) {
+      CAPTURE(smallest);
+      const Scale logarithmic = log_scale("", smallest, largest);
+      CHECK(logarithmic.from > 0);
+      CHECK(logarithmic.to > logarithmic.from);
+      CHECK(std::isfinite(logarithmic.to));
+      CHECK(logarithmic.ticks.size() <= 13);
+    }
+  }
 }
 
 TEST_CASE("a logarithmic scale has ticks at 1, 2 and 5 of what it covers, and no others") {

@@ -4,6 +4,8 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <initializer_list>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -162,6 +164,44 @@ TEST_CASE("a run comes back from JSON as it was, and not from JSON that lacks so
     CHECK_FALSE(planned_run_from(broken));
   }
   CHECK_FALSE(planned_run_from("fig5"));
+}
+
+TEST_CASE("a run comes back only if `aureole experiment` takes what it says, else by its field") {
+  const nlohmann::json whole = to_json(PlannedRun{});
+  struct Case {
+    const char* field;
+    nlohmann::json value;
+    const char* sentence;
+  };
+  for (const Case& c : std::initializer_list<Case>{
+           {"servers", 65, "`servers` of the run is wrong; expected a whole number from 1 to 64"},
+           {"servers", 0, "from 1 to 64"},
+           {"servers", 4294967300, "from 1 to 64"},
+           {"servers", 2.5, "from 1 to 64"},
+           {"layout", "ring", "`layout` of the run is wrong; expected one of column, corner, grid"},
+           {"mode", "paper` | <b>", "`mode` of the run is wrong; expected one of single, naive"},
+           {"repeats", 4294967297, "from 1 to 100"},
+           {"seconds", 1e9, "`seconds` of the run is wrong; expected a number from 0.5 to 3600"},
+           {"rate_per_s", -1, "a number from 1 to 10000"},
+           {"seed", -1, "a whole number that is not negative"},
+           {"seed", 1.5, "a whole number that is not negative"},
+           {"loss_pct", 21, "from 0 to 20"},
+           {"judged", 1, "true or false"}}) {
+    nlohmann::json changed = whole;
+    changed[c.field] = c.value;
+    CAPTURE(changed.dump());
+    const auto back = planned_run_from(changed);
+    REQUIRE_FALSE(back);
+    CHECK(back.error().message.find(c.sentence) != std::string::npos);
+    CHECK(back.error().message.find("<b>") == std::string::npos);
+  }
+  nlohmann::json largest = whole;
+  largest["servers"] = 64;
+  largest["seed"] = std::numeric_limits<std::uint64_t>::max();
+  const auto back = planned_run_from(largest);
+  REQUIRE(back);
+  CHECK(back->servers == 64);
+  CHECK(back->seed == std::numeric_limits<std::uint64_t>::max());
 }
 
 TEST_CASE("a run that was made before builds knew of everything comes back as what it was") {

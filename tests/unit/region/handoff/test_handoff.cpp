@@ -346,3 +346,42 @@ TEST_CASE("effects for a region that is away for long do not pile up without end
   }
   REQUIRE(region.core->journal(RegionId{1}).unacknowledged().size() <= 4096);
 }
+
+TEST_CASE("a neighbour that sets off more blasts, or removes more, than can be is refused") {
+  Besieged region;
+  region.start();
+  region.step();
+  const auto tell = [&](std::uint64_t from, std::size_t blasts, std::size_t removals) {
+    EffectsMessage effects;
+    for (std::size_t n = 0; n < blasts; ++n)
+      effects.blasts.push_back(
+          {from + n, region.now + 100, {0, 0, 0}, 1, 1, BodyId::avatar(PlayerId{1})});
+    for (std::size_t n = 0; n < removals; ++n)
+      effects.removals.push_back(BodyId::thrown(PlayerId{1}, static_cast<std::uint32_t>(from + n)));
+    const Status taken = region.hear(FrameType::effects, encode_effects(effects));
+    if (!taken) --region.sequence;  // It is sent again under the same number.
+    return taken;
+  };
+  SECTION("blasts") {
+    REQUIRE(tell(1, 4000, 0));
+    SECTION("in one step") {}
+    SECTION("in several") {
+      region.step(3);
+    }
+    const Status more = tell(5000, 97, 0);
+    REQUIRE_FALSE(more);
+    CHECK(more.error().message.find("4097 blasts") != std::string::npos);
+    CHECK(tell(5000, 96, 0));
+  }
+  SECTION("removals") {
+    std::uint64_t from = 1;
+    for (int n = 0; n < 16; ++n, from += 4096) REQUIRE(tell(from, 0, 4096));
+    region.step();
+    const Status more = tell(from, 0, 1);
+    REQUIRE_FALSE(more);
+    CHECK(more.error().message.find("65537 removals") != std::string::npos);
+    // What has waited for long is waited for no more.
+    region.step(200);
+    CHECK(tell(from, 0, 1));
+  }
+}
