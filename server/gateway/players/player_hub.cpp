@@ -19,8 +19,8 @@ namespace {
 /// A connection that has not said `join` by then is closed (µs).
 constexpr std::int64_t join_patience_us = 10'000'000;
 /// So long a player waits for regions that are not there (µs); then the page is told that they are
-/// missing, and closed.
-constexpr std::int64_t regions_patience_us = 30'000'000;
+/// missing, and the connection is closed.
+constexpr std::int64_t regions_patience_us = 600'000'000;
 /// One who waits is told what for this often (µs): a page that hears nothing takes the connection
 /// for lost after some seconds.
 constexpr std::int64_t waiting_word_us = 2'000'000;
