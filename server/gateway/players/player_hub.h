@@ -89,8 +89,8 @@ class PlayerHub {
   RegionId home_of(PlayerId player) const;
   std::uint16_t spawn_of(PlayerId player) const;
   RegionId spawn_region(PlayerId player) const;
-  /// Higher than `after` and than all that is known of this player; nothing if there is none.
-  std::optional<std::uint32_t> new_session(PlayerId player, std::uint32_t after);
+  /// Higher than `after` and than all that is known of this player; an Error if there is none.
+  Result<std::uint32_t> new_session(PlayerId player, std::uint32_t after);
   std::size_t abandoned_avatars() const;
 
   const WorldDefinition& world_;
