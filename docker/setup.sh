@@ -8,10 +8,10 @@ set -eu
 
 # A word is a package; alternatives between bars are tried from the left (names differ between Debian releases).
 build_packages="g++ cmake ninja-build pkg-config|pkgconf ccache esbuild \
- libbullet-dev libeigen3-dev libboost-dev libosmesa6-dev libgl-dev libturbojpeg0-dev \
+ libbullet-dev libeigen3-dev libboost-dev libosmesa6-dev libgl-dev libturbojpeg0-dev libsodium-dev \
  nlohmann-json3-dev libflatbuffers-dev flatbuffers-compiler libcli11-dev libspdlog-dev libfmt-dev"
 test_packages="catch2 libpng-dev procps chromium gnuplot-nox"
-runtime_packages="libbullet3.24t64|libbullet3.24 libosmesa6 libturbojpeg0 libspdlog1.15|libspdlog1.10 libfmt10|libfmt9"
+runtime_packages="libbullet3.24t64|libbullet3.24 libosmesa6 libturbojpeg0 libsodium23 libspdlog1.15|libspdlog1.10 libfmt10|libfmt9"
 
 top=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 

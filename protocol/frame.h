@@ -18,7 +18,7 @@ using Bytes = std::vector<std::byte>;
 using SharedBytes = std::shared_ptr<const Bytes>;
 
 /// Refused on mismatch; grows with every change of meaning on the wire.
-inline constexpr std::uint32_t protocol_version = 10;
+inline constexpr std::uint32_t protocol_version = 11;
 
 enum class FrameType : std::uint16_t {
   hello = 1,
@@ -34,8 +34,10 @@ enum class FrameType : std::uint16_t {
   auras = 11,
   recovery_query = 12,
   recovery_answer = 13,
+  challenge = 14,
+  sealed = 15,
 };
-inline constexpr std::uint16_t last_frame_type = 13;
+inline constexpr std::uint16_t last_frame_type = 15;
 
 /// 16 bytes before each payload. Payloads are multiples of 8 bytes long, so that in a buffer that
 /// starts aligned every FlatBuffer stays aligned.
@@ -47,7 +49,7 @@ struct FrameHeader {
 };
 static_assert(sizeof(FrameHeader) == 16);
 
-/// Longest payload that any peer may send; a link's first frame is held to `max_hello_bytes`.
+/// Longest payload that any peer may send; a link's first frames are held to `max_hello_bytes`.
 inline constexpr std::size_t max_payload_bytes = 8u << 20;
 inline constexpr std::size_t max_hello_bytes = 1024;
 

@@ -9,6 +9,7 @@
 #include "server/commands/commands.h"
 #include "server/commands/mode_option.h"
 #include "server/commands/peer_options.h"
+#include "server/commands/secret_option.h"
 #include "server/gateway/gateway.h"
 #include "server/ops/logging.h"
 #include "server/ops/process/incarnation.h"
@@ -26,6 +27,7 @@ struct GatewayCommandOptions {
   std::string mode;  ///< Empty: as the world file says.
   std::string listen = "127.0.0.1:8080";
   std::vector<std::string> addresses;
+  std::string secret;
   std::string web_root;
   int number = 0;
   int render_threads = 0;
@@ -43,12 +45,15 @@ int run_gateway(const GatewayCommandOptions& options) {
   auto regions =
       parse_regions(options.addresses, "--region", static_cast<int>(world->regions.size()), -1);
   if (!regions) return complain(exit_usage, regions.error().message);
+  auto secret = secret_from(options.secret);
+  if (!secret) return complain(exit_usage, secret.error().message);
 
   GatewayOptions gateway_options;
   gateway_options.number = static_cast<std::uint16_t>(options.number);
   gateway_options.incarnation = incarnation_of_this_start();
   gateway_options.listen = *listen;
   gateway_options.regions = std::move(*regions);
+  gateway_options.secret = std::move(*secret);
   gateway_options.web_root =
       options.web_root.empty() ? web_root_beside(executable_path()) : options.web_root;
   gateway_options.render_threads = options.render_threads;
@@ -93,6 +98,7 @@ void add_gateway(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("--region", options->addresses,
                       "A region and its address, as r0=127.0.0.1:7000; once for each");
+  add_secret_option(*command, options->secret);
   command->add_option("--web-root", options->web_root,
                       "Folder of the built player page (default: the one built with this program)");
   command

@@ -4,10 +4,12 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 
 #include "server/commands/commands.h"
 #include "server/commands/mode_option.h"
+#include "server/net/links/secret.h"
 #include "server/ops/logging.h"
 #include "server/ops/ports.h"
 #include "server/ops/process/installation.h"
@@ -66,6 +68,15 @@ Status check_page(const std::filesystem::path& web_root, bool is_default) {
                        index.string());
 }
 
+/// Only the processes of this world know it: nobody else on this machine passes for one of them.
+Result<std::string> write_new_secret(const std::filesystem::path& file) {
+  std::ofstream out(file);
+  out << random_secret() << '\n';
+  out.close();
+  if (!out) return Error::format("cannot write {}", file.string());
+  return file.string();
+}
+
 int play(const PlayOptions& options) {
   const std::string log_level = chosen_log_level(options.log_level);
   if (const Status known = start_logging("play", log_level); !known) {
@@ -88,16 +99,14 @@ int play(const PlayOptions& options) {
   if (!port) return complain(exit_usage, port.error().message);
   plan.port = *port;
 
+  const auto temporary = TemporaryFolder::make();
+  if (!temporary) return complain(exit_failed, temporary.error().message);
+  const auto secret = write_new_secret((*temporary)->path() / "secret");
+  if (!secret) return complain(exit_failed, secret.error().message);
+  plan.secret = *secret;
   // Without a folder of the user's, regions that die are restored all the same, and the world ends
   // with its last process.
-  std::unique_ptr<TemporaryFolder> temporary;
-  plan.state = options.state;
-  if (plan.state.empty()) {
-    auto made = TemporaryFolder::make();
-    if (!made) return complain(exit_failed, made.error().message);
-    temporary = std::move(*made);
-    plan.state = temporary->path().string();
-  }
+  plan.state = options.state.empty() ? (*temporary)->path().string() : options.state;
 
   SupervisorOptions supervisor;
   supervisor.executable = own_binary;

@@ -10,6 +10,7 @@
 #include "server/commands/commands.h"
 #include "server/commands/mode_option.h"
 #include "server/commands/peer_options.h"
+#include "server/commands/secret_option.h"
 #include "server/net/region_server.h"
 #include "server/ops/logging.h"
 #include "server/ops/process/incarnation.h"
@@ -29,6 +30,7 @@ struct RegionOptions {
   std::vector<std::string> peers;
   std::uint64_t incarnation = 0;
   std::string state;
+  std::string secret;
   std::string log_level;
 };
 
@@ -62,6 +64,9 @@ int run_region(const RegionOptions& options) {
   auto listen = parse_endpoint(at);
   if (!listen) return complain(exit_usage, "--listen: " + listen.error().message);
   server_options.listen = *listen;
+  auto secret = secret_from(options.secret);
+  if (!secret) return complain(exit_usage, secret.error().message);
+  server_options.secret = std::move(*secret);
   auto peers = parse_regions(options.peers, "--peer", count, options.region);
   if (!peers) return complain(exit_usage, peers.error().message);
   server_options.regions = std::move(*peers);
@@ -106,6 +111,7 @@ void add_region(CLI::App& app, int& exit_code) {
       "Address for other servers, host:port (default 127.0.0.1:7000 plus --region)");
   command->add_option("--peer", options->peers,
                       "Another region and its address, as r1=127.0.0.1:7001; once for each");
+  add_secret_option(*command, options->secret);
   command->add_option("--incarnation", options->incarnation,
                       "Number of this start, greater than at the last one (default: the time)");
   command->add_option("--state", options->state,

@@ -74,7 +74,7 @@ Gateway::Impl::Impl(asio::io_context& context, const WorldDefinition& w, Gateway
               if (!alive.expired()) answer();
             });
           })),
-      regions(context, w, {options.number, options.incarnation, options.regions},
+      regions(context, w, {options.number, options.incarnation, options.regions, options.secret},
               {.updated = [this](RegionId r) { hub.region_updated(r, monotonic_us()); },
                .changed = [this] { hub.regions_changed(monotonic_us()); },
                .rejected = [this](const std::string& why) { options.rejected(why); }}),

@@ -6,11 +6,13 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "server/base/ids.h"
 #include "server/base/result.h"
 #include "server/net/endpoint.h"
+#include "server/net/links/secret.h"
 #include "server/worlds/world.h"
 
 namespace aureole {
@@ -20,6 +22,7 @@ struct GatewayOptions {
   Incarnation incarnation;
   Endpoint listen{"127.0.0.1", 8080};
   std::vector<PeerAddress> regions;  ///< All regions of the world.
+  std::optional<Secret> secret;      ///< Of the world's servers, if they have one.
   std::filesystem::path web_root;    ///< The built page; without it there is none.
   int render_threads = 0;            ///< 0: as many as this machine should have.
   int max_players = 32;

@@ -33,6 +33,7 @@ PeerLinksOptions link_options(const WorldDefinition& world,
   links.world_hash = world.hash;
   links.region_count = world.regions.size();
   links.dial = options.regions;
+  links.secret = options.secret;
   return links;
 }
 
@@ -46,12 +47,13 @@ RegionSubscriber::RegionSubscriber(boost::asio::io_context& io, const WorldDefin
       store_(world.prototypes.size()),
       lines_(lines_of(world)),
       reports_(world.regions.size()),
-      links_(io, link_options(world, options), world_clock_,
-             {.up = [this](PeerId peer, const PeerHello&) { on_up(peer); },
-              .down = [this](PeerId peer, const std::string& why) { on_down(peer, why); },
-              .frame = [this](PeerId peer, const FrameView& f) { return on_frame(peer, f); },
-              .running = [] { return false; },
-              .refused = [this](PeerId peer, const std::string& why) { on_refused(peer, why); }}) {
+      links_(
+          io, link_options(world, options), world_clock_,
+          {.up = [this](PeerId peer, const PeerHello&) { on_up(peer); },
+           .down = [this](PeerId peer, const std::string& why) { on_down(peer, why); },
+           .frame = [this](PeerId peer, const FrameView& f) { return on_frame(peer, f); },
+           .running = [] { return false; },
+           .refused = [this](PeerId peer, const Refusal& refusal) { on_refused(peer, refusal); }}) {
   for (const RegionId region : regions_)
     AUREOLE_CHECK(region.value < world.regions.size(), "a gateway dials regions of its world");
 }
@@ -65,11 +67,10 @@ void RegionSubscriber::on_up(PeerId peer) {
   events_.changed();
 }
 
-void RegionSubscriber::on_refused(PeerId peer, const std::string& reason) {
+void RegionSubscriber::on_refused(PeerId peer, const Refusal& refusal) {
   const std::string what =
-      fmt::format("region {} refused this gateway: {}", name_of(peer.as_region()), reason);
-  const bool replaced = reason.find(newer_start_known) != std::string::npos;
-  if (replaced)
+      fmt::format("region {} refused this gateway: {}", name_of(peer.as_region()), refusal.reason);
+  if (refusal.replaced)
     events_.rejected(what + "; each gateway of a world needs its own --number");
   else if (!was_linked_)
     events_.rejected(what);

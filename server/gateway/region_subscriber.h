@@ -25,6 +25,7 @@ struct RegionSubscriberOptions {
   std::uint16_t gateway = 0;
   Incarnation incarnation;
   std::vector<PeerAddress> regions;
+  std::optional<Secret> secret;  ///< Of the world's servers, if they have one.
 };
 
 /// Runs on the io_context's one thread.
@@ -74,7 +75,7 @@ class RegionSubscriber {
   Status on_recovery_query(RegionId from, const FrameView& frame);
   void on_up(PeerId peer);
   void on_down(PeerId peer, const std::string& reason);
-  void on_refused(PeerId peer, const std::string& reason);
+  void on_refused(PeerId peer, const Refusal& refusal);
 
   const WorldDefinition& world_;
   std::vector<RegionId> regions_;

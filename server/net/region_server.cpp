@@ -70,6 +70,7 @@ struct RegionServer::Impl {
     link_options.incarnation = options.incarnation;
     link_options.world_hash = world.hash;
     link_options.region_count = region_count;
+    link_options.secret = options.secret;
     for (const PeerAddress& address : options.regions)
       if (address.peer < link_options.self) link_options.dial.push_back(address);
     if (options.state) find_state();
@@ -79,14 +80,13 @@ struct RegionServer::Impl {
                       [this](PeerId peer, const std::string&) { core.peer_down(peer); },
                       [this](PeerId peer, const FrameView& f) { return core.receive(peer, f); },
                       [this] { return begun; },
-                      [this](PeerId peer, const std::string& reason) {
+                      [this](PeerId peer, const Refusal& refusal) {
                         // A world that runs is not ended by whoever happens to answer somewhere.
-                        const std::string what =
-                            fmt::format("{} refused this server: {}", describe(peer), reason);
+                        const std::string what = fmt::format("{} refused this server: {}",
+                                                             describe(peer), refusal.reason);
                         // A newer start of this very region is another matter: two that simulate
                         // the same bodies help nobody.
-                        const bool replaced = reason.find(newer_start_known) != std::string::npos;
-                        if (begun && !replaced)
+                        if (begun && !refusal.replaced)
                           spdlog::error("{}", what);
                         else
                           fail(what);

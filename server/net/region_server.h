@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct RegionServerOptions {
   std::vector<PeerAddress> regions;
   /// Where its state is written every 96 ms and found again after a death; null: nowhere.
   std::shared_ptr<SnapshotFile> state;
+  std::optional<Secret> secret;  ///< Of the world's servers, if they have one.
 };
 
 /// The world begins when all regions are linked; region 0 then sets the clock that the others

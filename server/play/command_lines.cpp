@@ -20,6 +20,10 @@ std::vector<std::string> common_arguments(const char* subcommand, const WorldPla
     out.emplace_back("--mode");
     out.push_back(plan.mode);
   }
+  if (!plan.secret.empty()) {
+    out.emplace_back("--secret");
+    out.push_back(plan.secret);
+  }
   return out;
 }
 

@@ -21,7 +21,8 @@ struct WorldPlan {
   std::uint16_t port = 0;      ///< Of the page; not 0.
   std::string web_root;
   std::string log_level;
-  std::string state;  ///< Folder in which the regions' states survive them; empty: none.
+  std::string state;   ///< Folder in which the regions' states survive them; empty: none.
+  std::string secret;  ///< File with the secret that these processes share; empty: none.
   std::vector<std::uint16_t> region_ports;  ///< One for each region, on 127.0.0.1.
 };
 

@@ -130,7 +130,8 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
 
   // ---- Handshake -------------------------------------------------------------------------------
 
-  /// The dialling side speaks first; the other answers once it knows whom it talks to.
+  /// Who was dialled asks for a proof, who dials says who it is, and the other answers once it
+  /// knows whom it talks to.
   void introduce(const std::shared_ptr<Link>& link, const DiallerPtr& dialler) {
     strangers[link.get()] = link;
     auto timer = std::make_shared<boost::asio::steady_timer>(io);
@@ -141,14 +142,21 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
         std::shared_ptr<Link>(it->second)->close("it did not introduce itself in time");
     });
     auto peer = std::make_shared<std::optional<PeerId>>();
+    const auto handshake = std::make_shared<Handshake>(
+        dialler ? Handshake::Side::dials : Handshake::Side::answers, options.secret);
     const std::weak_ptr<Impl> weak = shared_from_this();
     link->start({
-        [weak, link = link.get(), dialler, timer, peer](const FrameView& frame) -> Status {
+        [weak, link = link.get(), dialler, timer, peer,
+         handshake](const FrameView& frame) -> Status {
           const auto self = weak.lock();
           if (!self || self->stopped) return Error{"stopping"};
           if (*peer) return self->take(**peer, frame);
+          if (dialler && !handshake->has_heard_challenge()) {
+            self->answer_challenge(link->shared_from_this(), dialler, *handshake, frame);
+            return Ok{};
+          }
           timer->cancel();
-          self->meet(link->shared_from_this(), dialler, frame, *peer);
+          self->meet(link->shared_from_this(), dialler, *handshake, frame, *peer);
           return Ok{};
         },
         [weak, link = link.get(), dialler, timer, peer](const std::string& reason) {
@@ -157,22 +165,47 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
             self->ended(link, *peer, dialler, reason);
         },
     });
-    if (dialler) link->send(make_hello(options, met_before(dialler->peer()), running()));
+    if (!dialler) link->send(handshake->challenge());
   }
 
-  /// Judges the other side's first frame; sets `known`, or closes the link.
-  void meet(const std::shared_ptr<Link>& link, const DiallerPtr& dialler, const FrameView& frame,
-            std::optional<PeerId>& known) {
-    if (frame.type == FrameType::refusal) {
-      const std::string reason = read_refusal(frame);
+  /// What is wrong is said to the other side, and the link closed.
+  void refuse(const std::shared_ptr<Link>& link, const DiallerPtr& dialler,
+              const Handshake& handshake, const Refusal& refusal) {
+    spdlog::warn("refused the server at {}: {}", link->remote(), refusal.reason);
+    if (dialler) dialler->note_refused();
+    link->close_after(handshake.seal(make_refusal(refusal)), refusal.reason);
+  }
+
+  /// Who dials and cannot agree on a secret is as good as refused.
+  void refuse_proof(const std::shared_ptr<Link>& link, const DiallerPtr& dialler,
+                    const Handshake& handshake, const std::string& why) {
+    if (dialler && events.refused) events.refused(dialler->peer(), {why});
+    refuse(link, dialler, handshake, {why});
+  }
+
+  void answer_challenge(const std::shared_ptr<Link>& link, const DiallerPtr& dialler,
+                        Handshake& handshake, const FrameView& frame) {
+    if (const auto heard = handshake.hear_challenge(frame); !heard)
+      return refuse_proof(link, dialler, handshake, heard.error().message);
+    link->send(handshake.seal(make_hello(options, met_before(dialler->peer()), running())));
+  }
+
+  /// Judges the other side's hello; sets `known`, or closes the link.
+  void meet(const std::shared_ptr<Link>& link, const DiallerPtr& dialler, Handshake& handshake,
+            const FrameView& frame, std::optional<PeerId>& known) {
+    const auto opened = handshake.open(frame);
+    if (!opened) return refuse_proof(link, dialler, handshake, opened.error().message);
+    if (opened->frame.type == FrameType::refusal) {
+      Refusal refusal = read_refusal(opened->frame);
+      refusal.replaced &= opened->is_proven;
       if (dialler) {
         dialler->note_refused();
-        if (events.refused) events.refused(dialler->peer(), reason);
+        if (events.refused) events.refused(dialler->peer(), refusal);
       }
-      return link->close("it refused us: " + reason);
+      return link->close("it refused us: " + refusal.reason);
     }
-    auto introduction = frame.type == FrameType::hello
-                            ? read_hello(frame, options)
+    auto introduction = opened->frame.type == FrameType::hello
+                            ? read_hello(opened->frame, options)
                             : Result<Introduction>(Error{"the first message is no hello"});
     if (introduction && dialler && introduction->peer != dialler->peer())
       introduction = Error::format("{} answered where {} was expected: check the addresses",
@@ -184,17 +217,12 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
     if (introduction && !introduction->peer.is_region() && !peers.contains(introduction->peer) &&
         gateways_linked() >= gateways_max)
       introduction = Error::format("{} gateways are linked already", gateways_max);
-    if (introduction && introduction->hello.incarnation < met_before(introduction->peer))
-      introduction =
-          Error::format("{} {} is known", newer_start_known, describe(introduction->peer));
-    if (!introduction) {
-      spdlog::warn("refused the server at {}: {}", link->remote(), introduction.error().message);
-      if (dialler) dialler->note_refused();
-      return link->close_after(make_refusal(introduction.error().message),
-                               introduction.error().message);
-    }
+    if (!introduction) return refuse(link, dialler, handshake, {introduction.error().message});
     const PeerId peer = introduction->peer;
-    if (!dialler) link->send(make_hello(options, met_before(peer), running()));
+    if (introduction->hello.incarnation < met_before(peer))
+      return refuse(link, dialler, handshake,
+                    {fmt::format("a newer start of {} is known", describe(peer)), true});
+    if (!dialler) link->send(handshake.seal(make_hello(options, met_before(peer), running())));
     if (dialler) dialler->note_met();
     known = peer;
     establish(peer, link, introduction->hello);
@@ -279,9 +307,9 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
         return Error{"a second hello on one link"};
       case FrameType::refusal: {
         // Whoever dialled us judges us after we have taken the link for good.
-        const std::string reason = read_refusal(frame);
-        if (events.refused) events.refused(peer, reason);
-        return Error{"it refused us: " + reason};
+        const Refusal refusal = read_refusal(frame);
+        if (events.refused) events.refused(peer, refusal);
+        return Error{"it refused us: " + refusal.reason};
       }
       default:
         return events.frame(peer, frame);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "server/base/result.h"
 #include "server/net/endpoint.h"
 #include "server/net/links/dialler.h"
+#include "server/net/links/secret.h"
 #include "server/net/world_clock.h"
 
 namespace aureole {
@@ -25,12 +27,22 @@ struct PeerHello {
   bool running = false;
 };
 
+/// Why a server does not want this one.
+struct Refusal {
+  std::string reason;
+  /// It knows a newer start of this one: whoever is told so has been replaced. Never told by
+  /// somebody who has not proven that it knows the world's secret, if there is one.
+  bool replaced = false;
+};
+
 struct PeerLinksOptions {
   PeerId self;
   Incarnation incarnation;
   std::uint64_t world_hash = 0;
   std::size_t region_count = PeerId::first_gateway;  ///< Of the world; no peer has a higher number.
   std::vector<PeerAddress> dial;                     ///< Dialled again for ever.
+  /// Whoever cannot prove that it knows it is refused. None: whoever comes is believed.
+  std::optional<Secret> secret;
   /// Frames queued towards one peer; past it the link is reset, and whatever must not be lost is
   /// sent again by the journal.
   std::size_t max_queued_bytes = 64u << 20;
@@ -49,8 +61,8 @@ class PeerLinks {
     std::function<Status(PeerId, const FrameView&)> frame;
     /// Whether this server has begun to step (told in the hello).
     std::function<bool()> running;
-    /// A peer refused us or is of another world: nothing to retry. Optional.
-    std::function<void(PeerId, const std::string& reason)> refused;
+    /// A peer refused us, or does not know our secret: nothing to retry. Optional.
+    std::function<void(PeerId, const Refusal&)> refused;
     /// There is news for round_trip_us() of a link that has been measured a few times. Optional.
     std::function<void(PeerId)> measured = {};
   };

@@ -1,111 +1,18 @@
 // Links between servers over loopback TCP: introductions, refusals, resets, hostile bytes.
-#include <boost/asio/connect.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/read.hpp>
-#include <boost/asio/write.hpp>
-#include <functional>
-#include <optional>
-
 #include "protocol/wire.h"
 #include "server/net/links/handshake.h"
 #include "server/net/links/peer_links.h"
-#include "tests/support/catch.h"
+#include "tests/unit/net/linked_server.h"
 
 using namespace aureole;
+using namespace aureole::testing;
 using namespace std::chrono_literals;
 using boost::asio::ip::tcp;
-
-namespace {
-
-constexpr std::uint64_t world_hash = 99;
-
-/// One server's links with everything that they reported.
-struct Server {
-  WorldClock clock;
-  std::vector<PeerId> up, down;
-  std::vector<std::string> down_reasons, refusals;
-  std::vector<Frame> frames;
-  std::optional<PeerHello> hello;
-  Status answer = Ok{};
-  std::unique_ptr<PeerLinks> links;
-  std::uint16_t port = 0;
-
-  Server(boost::asio::io_context& io, PeerId self, std::vector<PeerAddress> dial = {},
-         std::uint64_t hash = world_hash, std::uint64_t incarnation = 1,
-         std::size_t queue = 64u << 20, std::uint16_t listen_port = 0,
-         std::size_t region_count = 16) {
-    PeerLinksOptions options;
-    options.self = self;
-    options.incarnation = Incarnation{incarnation};
-    options.world_hash = hash;
-    options.region_count = region_count;
-    options.dial = std::move(dial);
-    options.max_queued_bytes = queue;
-    links = std::make_unique<PeerLinks>(
-        io, std::move(options), clock,
-        PeerLinks::Events{
-            [this](PeerId p, const PeerHello& h) {
-              up.push_back(p);
-              hello = h;
-            },
-            [this](PeerId p, const std::string& why) {
-              down.push_back(p);
-              down_reasons.push_back(why);
-            },
-            [this](PeerId, Frame f) {
-              frames.push_back(std::move(f));
-              return answer;
-            },
-            [] { return true; },
-            [this](PeerId, const std::string& why) { refusals.push_back(why); },
-        });
-    port = *links->listen({"127.0.0.1", listen_port});
-    links->start();
-  }
-};
-
-bool run_until(boost::asio::io_context& io, const std::function<bool()>& done) {
-  const auto limit = std::chrono::steady_clock::now() + 10s;
-  while (!done() && std::chrono::steady_clock::now() < limit) {
-    io.restart();
-    io.run_for(5ms);
-  }
-  return done();
-}
-
-PeerAddress at(PeerId peer, std::uint16_t port) {
-  return {peer, {"127.0.0.1", port}};
-}
-
-SharedBytes message(std::size_t size) {
-  return std::make_shared<const Bytes>(
-      encode_frame(FrameType::commands, 0, Bytes(size, std::byte{7})));
-}
-
-/// Connects, sends raw bytes and waits until the other side hangs up. Returns what it said.
-Bytes talk_raw(boost::asio::io_context& io, std::uint16_t port, const Bytes& bytes) {
-  tcp::socket socket(io);
-  socket.connect({boost::asio::ip::address_v4::loopback(), port});
-  boost::asio::write(socket, boost::asio::buffer(bytes));
-  Bytes heard(4096);
-  std::size_t got = 0;
-  bool closed = false;
-  boost::asio::async_read(socket, boost::asio::buffer(heard),
-                          [&](const boost::system::error_code&, std::size_t n) {
-                            got = n;
-                            closed = true;
-                          });
-  REQUIRE(run_until(io, [&] { return closed; }));
-  heard.resize(got);
-  return heard;
-}
-
-}  // namespace
 
 TEST_CASE("two servers introduce themselves and frames pass both ways, in order") {
   boost::asio::io_context io;
   Server a(io, PeerId{0});
-  Server b(io, PeerId{1}, {at(PeerId{0}, a.port)});
+  Server b(io, PeerId{1}, {.dial = {at(PeerId{0}, a.port)}});
   REQUIRE(run_until(io, [&] { return !a.up.empty() && !b.up.empty(); }));
   REQUIRE(a.up[0] == PeerId{1});
   REQUIRE(b.up[0] == PeerId{0});
@@ -124,7 +31,7 @@ TEST_CASE("a follower learns the reference's time and the round trip of its link
   boost::asio::io_context io;
   Server a(io, PeerId{0});
   a.clock.start_as_reference(monotonic_us(), 5'000'000);
-  Server b(io, PeerId{1}, {at(PeerId{0}, a.port)});
+  Server b(io, PeerId{1}, {.dial = {at(PeerId{0}, a.port)}});
   REQUIRE(run_until(io, [&] { return b.clock.is_set(); }));
   const auto now = monotonic_us();
   REQUIRE(std::abs(*a.clock.world_us(now) - *b.clock.world_us(now)) < 20'000);
@@ -135,19 +42,20 @@ TEST_CASE("a follower learns the reference's time and the round trip of its link
 TEST_CASE("a server of another world is refused with a sentence on both sides") {
   boost::asio::io_context io;
   Server a(io, PeerId{0});
-  Server b(io, PeerId{1}, {at(PeerId{0}, a.port)}, world_hash + 1);
+  Server b(io, PeerId{1}, {.dial = {at(PeerId{0}, a.port)}, .world = world_hash + 1});
   REQUIRE(run_until(io, [&] { return !b.refusals.empty(); }));
-  REQUIRE(b.refusals[0].find("same world file") != std::string::npos);
+  REQUIRE(b.refusals[0].reason.find("same world file") != std::string::npos);
   REQUIRE(a.up.empty());
   REQUIRE(b.up.empty());
 }
 
 TEST_CASE("a region that the world does not have is refused with a sentence") {
   boost::asio::io_context io;
-  Server a(io, PeerId{0}, {}, world_hash, 1, 64u << 20, 0, 2);
-  Server b(io, PeerId{2}, {at(PeerId{0}, a.port)});
+  Server a(io, PeerId{0}, {.region_count = 2});
+  Server b(io, PeerId{2}, {.dial = {at(PeerId{0}, a.port)}});
   REQUIRE(run_until(io, [&] { return !b.refusals.empty(); }));
-  CHECK(b.refusals[0].find("region r2 in a hello; this world has 2 regions") != std::string::npos);
+  CHECK(b.refusals[0].reason.find("region r2 in a hello; this world has 2 regions") !=
+        std::string::npos);
   CHECK(a.up.empty());
 }
 
@@ -158,24 +66,24 @@ TEST_CASE("so many gateways are linked, and the next one is told that") {
   const auto come = [&] {
     gateways.push_back(
         std::make_unique<Server>(io, PeerId::gateway(static_cast<std::uint16_t>(gateways.size())),
-                                 std::vector{at(PeerId{0}, region.port)}));
+                                 Server::Options{.dial = {at(PeerId{0}, region.port)}}));
   };
   while (gateways.size() < 64) come();
   REQUIRE(run_until(io, [&] { return region.up.size() == 64; }));
   come();
   REQUIRE(run_until(io, [&] { return !gateways.back()->refusals.empty(); }));
-  CHECK(gateways.back()->refusals[0].find("64 gateways") != std::string::npos);
+  CHECK(gateways.back()->refusals[0].reason.find("64 gateways") != std::string::npos);
   CHECK(region.up.size() == 64);
   CHECK(region.down.empty());
   // One that comes again takes its own place.
-  Server again(io, PeerId::gateway(7), {at(PeerId{0}, region.port)}, world_hash, 2);
+  Server again(io, PeerId::gateway(7), {.dial = {at(PeerId{0}, region.port)}, .incarnation = 2});
   REQUIRE(run_until(io, [&] { return !again.up.empty(); }));
 }
 
 TEST_CASE("who dials the wrong server is told so") {
   boost::asio::io_context io;
   Server a(io, PeerId{0});
-  Server b(io, PeerId{2}, {at(PeerId{1}, a.port)});
+  Server b(io, PeerId{2}, {.dial = {at(PeerId{1}, a.port)}});
   // The one that was dialled takes it for a link, until it hears the refusal.
   REQUIRE(run_until(io, [&] { return !a.down.empty(); }));
   REQUIRE(a.down_reasons[0].find("region r0 answered where region r1 was expected") !=
@@ -193,7 +101,8 @@ TEST_CASE("a server of another protocol version is refused, and told to run the 
   const auto answer = decode_frame(heard);
   REQUIRE(answer);
   REQUIRE(answer->type == FrameType::refusal);
-  REQUIRE(read_refusal(*answer).find("run the same release everywhere") != std::string::npos);
+  REQUIRE(read_refusal(*answer).reason.find("run the same release everywhere") !=
+          std::string::npos);
   REQUIRE(a.up.empty());
 }
 
@@ -209,7 +118,7 @@ TEST_CASE("a server that is not there is dialled less and less often") {
     });
   };
   hang_up();
-  Server b(io, PeerId{1}, {at(PeerId{0}, deaf.local_endpoint().port())});
+  Server b(io, PeerId{1}, {.dial = {at(PeerId{0}, deaf.local_endpoint().port())}});
   REQUIRE(run_until(io, [&] { return calls.size() >= 6; }));
   // Pauses double from 50 ms with up to half of each left to chance: the fifth takes at least 400
   // ms, and a slow machine only makes it longer.
@@ -221,12 +130,11 @@ TEST_CASE("a link is made anew when the other side comes back, and the new start
   boost::asio::io_context io;
   auto a = std::make_unique<Server>(io, PeerId{0});
   const auto port = a->port;
-  Server b(io, PeerId{1}, {at(PeerId{0}, port)});
+  Server b(io, PeerId{1}, {.dial = {at(PeerId{0}, port)}});
   REQUIRE(run_until(io, [&] { return b.up.size() == 1; }));
   a.reset();
   REQUIRE(run_until(io, [&] { return b.down.size() == 1; }));
-  a = std::make_unique<Server>(io, PeerId{0}, std::vector<PeerAddress>{}, world_hash, 2, 64u << 20,
-                               port);
+  a = std::make_unique<Server>(io, PeerId{0}, Server::Options{.incarnation = 2, .port = port});
   REQUIRE(run_until(io, [&] { return b.up.size() == 2; }));
   REQUIRE(b.hello->incarnation == Incarnation{2});
   REQUIRE(a->hello->known_incarnation == Incarnation{1});
@@ -235,7 +143,7 @@ TEST_CASE("a link is made anew when the other side comes back, and the new start
 TEST_CASE("a message that the receiver refuses ends the link and it is made anew") {
   boost::asio::io_context io;
   Server a(io, PeerId{0});
-  Server b(io, PeerId{1}, {at(PeerId{0}, a.port)});
+  Server b(io, PeerId{1}, {.dial = {at(PeerId{0}, a.port)}});
   REQUIRE(run_until(io, [&] { return b.up.size() == 1; }));
   a.answer = Error{"no"};
   b.links->send(PeerId{0}, message(8));
@@ -246,7 +154,7 @@ TEST_CASE("a message that the receiver refuses ends the link and it is made anew
 TEST_CASE("bytes that are no frames, and frames that are no hello, end only their own connection") {
   boost::asio::io_context io;
   Server a(io, PeerId{0});
-  Server b(io, PeerId{1}, {at(PeerId{0}, a.port)});
+  Server b(io, PeerId{1}, {.dial = {at(PeerId{0}, a.port)}});
   REQUIRE(run_until(io, [&] { return b.up.size() == 1; }));
   talk_raw(io, a.port, Bytes(64, std::byte{0xff}));
   talk_raw(io, a.port, encode_frame(FrameType::hello, 0, Bytes(64, std::byte{0xff})));
@@ -254,7 +162,7 @@ TEST_CASE("bytes that are no frames, and frames that are no hello, end only thei
   const auto refusal = decode_frame(answer);
   REQUIRE(refusal);
   REQUIRE(refusal->type == FrameType::refusal);
-  REQUIRE(read_refusal(*refusal).find("no hello") != std::string::npos);
+  REQUIRE(read_refusal(*refusal).reason.find("no hello") != std::string::npos);
   REQUIRE(a.down.empty());
   REQUIRE(b.links->is_linked(PeerId{0}));
 }
@@ -262,7 +170,7 @@ TEST_CASE("bytes that are no frames, and frames that are no hello, end only thei
 TEST_CASE("a stranger under the name of a server that we dial does not take its place") {
   boost::asio::io_context io;
   Server a(io, PeerId{0});
-  Server b(io, PeerId{1}, {at(PeerId{0}, a.port)});
+  Server b(io, PeerId{1}, {.dial = {at(PeerId{0}, a.port)}});
   REQUIRE(run_until(io, [&] { return b.up.size() == 1; }));
   PeerLinksOptions stranger;
   stranger.self = PeerId{0};
@@ -295,7 +203,7 @@ TEST_CASE("a time reply from before all time is refused") {
 
 TEST_CASE("a peer that does not take its messages is cut off at the queue's bound") {
   boost::asio::io_context io;
-  Server a(io, PeerId{0}, {}, world_hash, 1, 1u << 20);
+  Server a(io, PeerId{0}, {.queue_bytes = 1u << 20});
   tcp::socket lazy(io);
   lazy.connect({boost::asio::ip::address_v4::loopback(), a.port});
   PeerLinksOptions self;
@@ -353,7 +261,7 @@ TEST_CASE("a peer that falls silent without closing its connection is given up")
 
   // Two that talk to each other answer, and stay.
   Server a(io, PeerId{4});
-  Server b(io, PeerId{5}, {at(PeerId{4}, a.port)});
+  Server b(io, PeerId{5}, {.dial = {at(PeerId{4}, a.port)}});
   REQUIRE(run_until(io, [&] { return !b.up.empty(); }));
   io.restart();
   io.run_for(800ms);

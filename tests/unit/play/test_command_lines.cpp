@@ -40,6 +40,17 @@ TEST_CASE("each region is told where its state survives it, the gateway is not")
   }
 }
 
+TEST_CASE("every process is told where the secret is that they share") {
+  auto plan = three_regions();
+  plan.secret = "/secret";
+  for (const auto& process : processes_of(plan)) {
+    const auto& words = process.arguments;
+    const auto at = std::find(words.begin(), words.end(), "--secret");
+    REQUIRE(at != words.end());
+    REQUIRE(*(at + 1) == "/secret");
+  }
+}
+
 TEST_CASE("the gateway is told the page's address and every region") {
   const auto gateway = processes_of(three_regions()).back();
   REQUIRE(gateway.name == "gateway");

@@ -1,0 +1,115 @@
+// A world whose servers share a secret, and those who come with another one or with none.
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "server/ops/ports.h"
+#include "tests/processes/running.h"
+
+using namespace aureole;
+using aureole::test::Running;
+namespace fs = std::filesystem;
+
+namespace {
+
+class Folder {
+ public:
+  Folder() {
+    std::string pattern = (fs::temp_directory_path() / "aureole-secrets-XXXXXX").string();
+    REQUIRE(mkdtemp(pattern.data()) != nullptr);
+    path_ = pattern;
+  }
+  ~Folder() { fs::remove_all(path_); }
+
+  std::string file(const std::string& name, const std::string& text) const {
+    std::ofstream(path_ / name) << text << '\n';
+    return (path_ / name).string();
+  }
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+struct Ports {
+  std::uint16_t r0, r1;
+};
+
+Running region(int number, Ports ports, std::vector<std::string> more) {
+  std::vector<std::string> words{"region", "--world",  "columns-4",           "--regions",
+                                 "2",      "--region", std::to_string(number)};
+  const auto at = [](std::uint16_t port) { return fmt::format("127.0.0.1:{}", port); };
+  const bool first = number == 0;
+  words.insert(words.end(), {"--listen", at(first ? ports.r0 : ports.r1), "--peer",
+                             first ? "r1=" + at(ports.r1) : "r0=" + at(ports.r0)});
+  words.insert(words.end(), more.begin(), more.end());
+  return Running(AUREOLE_BINARY, words);
+}
+
+Running gateway(Ports ports, std::vector<std::string> more) {
+  std::vector<std::string> words{"gateway",
+                                 "--world",
+                                 "columns-4",
+                                 "--regions",
+                                 "2",
+                                 "--listen",
+                                 "127.0.0.1:0",
+                                 "--region",
+                                 fmt::format("r0=127.0.0.1:{}", ports.r0),
+                                 "--region",
+                                 fmt::format("r1=127.0.0.1:{}", ports.r1)};
+  words.insert(words.end(), more.begin(), more.end());
+  return Running(AUREOLE_BINARY, words);
+}
+
+}  // namespace
+
+TEST_CASE("servers with the same secret make a world, and nobody with another one takes a place") {
+  const Folder folder;
+  const std::string secret = folder.file("secret", "correct horse battery staple");
+  const std::string other = folder.file("other", "another horse battery staple");
+  const auto free = free_loopback_ports(3, static_cast<std::uint32_t>(getpid()) * 31u);
+  REQUIRE(free);
+  const Ports ports{(*free)[0], (*free)[1]};
+
+  Running r0 = region(0, ports, {"--secret", secret});
+  r0.wait_for_line("ready region r0");
+  // They take a place before anybody has it, if they can; and once somebody has.
+  const Ports elsewhere{ports.r0, (*free)[2]};
+  for (const bool world_runs : {false, true}) {
+    INFO("the world runs: " << world_runs);
+    std::optional<Running> r1;
+    if (world_runs) {
+      r1.emplace(region(1, ports, {"--secret", secret}));
+      r1->wait_for_line("the world runs");
+    }
+    Running wrong = region(1, elsewhere, {"--secret", other});
+    CHECK(wrong.wait_for_end() == "exit code 1");
+    CHECK(wrong.line_with("region r0 refused this server: it knows another secret"));
+    Running without = region(1, elsewhere, {});
+    CHECK(without.wait_for_end() == "exit code 1");
+    CHECK(without.line_with("it asks for a secret, and this server has none: start every server"));
+    Running blind = gateway(ports, {});
+    CHECK(blind.wait_for_end() == "exit code 1");
+    CHECK(blind.line_with(" refused this gateway: it asks for a secret"));
+    CHECK_FALSE(r0.line_with("lost region r1"));
+    if (!world_runs) continue;
+
+    setenv("AUREOLE_SECRET", secret.c_str(), 1);
+    Running sees = gateway(ports, {});
+    unsetenv("AUREOLE_SECRET");
+    sees.wait_for_line("region r0 is linked");
+    sees.wait_for_line("region r1 is linked");
+  }
+}
+
+TEST_CASE("a secret that is no secret ends a server before it listens, with exit code 2") {
+  const Folder folder;
+  const Ports ports{1, 2};  // Nobody comes so far.
+  Running missing = region(0, ports, {"--secret", (folder.path() / "nowhere").string()});
+  CHECK(missing.wait_for_end() == "exit code 2");
+  CHECK(missing.line_with("--secret: cannot read"));
+  Running poor = gateway(ports, {"--secret", folder.file("short", "1234")});
+  CHECK(poor.wait_for_end() == "exit code 2");
+  CHECK(poor.line_with("a secret of 4 characters; expected 16 to 4096"));
+}
