@@ -51,6 +51,7 @@ struct RegionServer::Impl {
   std::uint64_t skipped_ticks = 0;
   std::uint64_t reported_overruns = 0;
   std::uint64_t reported_skipped = 0;
+  std::uint64_t reported_let_go = 0;
   Tick found_tick;          ///< Of the state on the disk; 0: none.
   bool world_runs = false;  ///< Others step already.
   bool told_recovered = true;
@@ -264,6 +265,13 @@ struct RegionServer::Impl {
           overruns, frames.max_ms(), skipped, next_tick.value);
     reported_overruns = frames.overruns();
     reported_skipped = skipped_ticks;
+    const std::uint64_t let_go = core.statistics().let_go;
+    if (let_go > reported_let_go)
+      spdlog::error(
+          "let go {} messages that a neighbour has taken, but not written to its disk for long; "
+          "what it had of them is lost if it dies now",
+          let_go - reported_let_go);
+    reported_let_go = let_go;
   }
 };
 

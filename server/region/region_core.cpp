@@ -20,6 +20,10 @@ constexpr std::size_t queue_max = 65'536;
 constexpr std::size_t frozen_commands_max = 4096;
 /// The same for whole messages. They come again from the journal.
 constexpr std::size_t waiting_max = 4096;
+/// Of groups that wait. Whoever catches up takes one in every step at least.
+constexpr std::size_t waiting_bytes_max = 256u << 20;
+/// Messages that a neighbour has not said it has taken: it says so in every step.
+constexpr std::size_t untaken_max = 16'384;
 /// Blasts that wait, or are remembered: every one is looked at in every step. Far more than players
 /// can set off in that time.
 constexpr std::size_t blasts_max = 4096;
@@ -152,6 +156,9 @@ Status RegionCore::receive(PeerId from, const FrameView& frame) {
   if (it == peers_.end() || !it->second.up)
     return Error::format("a message of server {}, which is not part of this world", from.value);
   Peer& peer = it->second;
+  if (frame.type != FrameType::acknowledge && peer.journal.untaken() > untaken_max)
+    return Error::format("it has not said that it took {} messages; expected at most {}",
+                         peer.journal.untaken(), untaken_max);
 
   if (frame.type == FrameType::commands) {
     auto commands = decode_commands(frame.payload);
@@ -190,12 +197,15 @@ Status RegionCore::receive(PeerId from, const FrameView& frame) {
       auto group =
           decode_handoff(frame.payload, hosting_.definitions().size(), hosting_.statics().size());
       if (!group) return group.error();
-      if (arrived_groups_.size() >= waiting_max) return Error{"too many handoffs at once"};
+      std::size_t bytes = frame.payload.size();
+      for (const Arrived& arrived : arrived_groups_) bytes += arrived.bytes;
+      if (arrived_groups_.size() >= waiting_max || bytes > waiting_bytes_max)
+        return Error{"too many handoffs at once"};
       auto arrival = peer.journal.arrive(frame.sequence);
       if (!arrival) return arrival.error();
       if (*arrival == Journal::Arrival::repeated) return Ok{};
       if (recovery_) return recovery_->hear_group(*group);
-      arrived_groups_.push_back({from.as_region(), std::move(*group)});
+      arrived_groups_.push_back({from.as_region(), std::move(*group), frame.payload.size()});
       return Ok{};
     }
     case FrameType::effects: {
@@ -306,7 +316,10 @@ RegionStatistics RegionCore::statistics() const {
   all.struck_stand_ins = stand_in_watch_.struck();
   all.recovered = counts.recovered;
   all.tolerance_events = tolerances_.left_count();
-  for (const auto& [id, peer] : peers_) all.unacknowledged += peer.journal.unacknowledged().size();
+  for (const auto& [id, peer] : peers_) {
+    all.unacknowledged += peer.journal.unacknowledged().size();
+    all.let_go += peer.journal.let_go();
+  }
   return all;
 }
 

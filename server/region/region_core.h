@@ -67,7 +67,9 @@ struct RegionStatistics {
   std::uint64_t refused_bodies = 0;  ///< Not made because the world is full.
   std::uint64_t whole_looks = 0;     ///< Decisions made over the whole region.
   std::uint64_t unacknowledged = 0;  ///< Messages in the journals.
-  std::uint64_t stand_ins = 0;       ///< Resting bodies of others that ours can lean on.
+  /// Messages that journals let go before they were durable (Journal::let_go()).
+  std::uint64_t let_go = 0;
+  std::uint64_t stand_ins = 0;  ///< Resting bodies of others that ours can lean on.
   /// Stand-ins whose load rose above its value at the cut by more than mass × 0.15 m/s:
   /// interactions that were missed.
   std::uint64_t struck_stand_ins = 0;
@@ -177,6 +179,7 @@ class RegionCore {
   struct Arrived {
     RegionId from;
     HandoffGroup group;
+    std::size_t bytes = 0;  ///< That it came in.
   };
 
   void enter(StepProfile::Part part) {

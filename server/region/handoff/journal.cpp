@@ -9,14 +9,27 @@
 namespace aureole {
 
 std::uint64_t Journal::append(FrameType type, Bytes payload) {
+  bytes_ += payload.size();
   entries_.push_back({type, std::move(payload), next_sequence_});
   return next_sequence_++;
 }
 
+std::size_t Journal::taken_entries() const {
+  if (entries_.empty() || entries_.front().sequence > peer_taken_) return 0;
+  return std::min<std::size_t>(entries_.size(), peer_taken_ - entries_.front().sequence + 1);
+}
+
+void Journal::drop_oldest() {
+  bytes_ -= entries_.front().payload.size();
+  entries_.pop_front();
+}
+
 std::vector<SharedBytes> Journal::take_unsent() {
   std::vector<SharedBytes> frames;
-  for (const Entry& entry : entries_) {
-    if (entry.sequence <= sent_) continue;
+  const auto unsent = std::partition_point(entries_.begin(), entries_.end(),
+                                           [&](const Entry& e) { return e.sequence <= sent_; });
+  for (auto it = unsent; it != entries_.end(); ++it) {
+    const Entry& entry = *it;
     frames.push_back(
         std::make_shared<const Bytes>(encode_frame(entry.type, entry.sequence, entry.payload)));
     sent_ = entry.sequence;
@@ -33,7 +46,12 @@ Status Journal::acknowledge(std::uint64_t taken, std::uint64_t durable) {
     return Error::format("message {} is said to be durable, but only {} to be taken", durable,
                          taken);
   peer_taken_ = std::max(peer_taken_, taken);
-  while (!entries_.empty() && entries_.front().sequence <= durable) entries_.pop_front();
+  while (!entries_.empty() && entries_.front().sequence <= durable) drop_oldest();
+  for (std::size_t kept = taken_entries(); kept > taken_max || (kept > 0 && bytes_ > bytes_max);
+       --kept) {
+    drop_oldest();
+    ++let_go_;
+  }
   return Ok{};
 }
 

@@ -18,6 +18,12 @@ namespace aureole {
 
 class Journal {
  public:
+  /// Of what the receiver has taken no more is kept than this, messages and bytes of all that is
+  /// kept: it writes its state every 96 ms, so that more means that its disk has failed. The oldest
+  /// is let go then.
+  static constexpr std::size_t taken_max = 16'384;
+  static constexpr std::size_t bytes_max = 64u << 20;
+
   struct Entry {
     FrameType type{};
     Bytes payload;  ///< Without header; the sequence is written when it is sent.
@@ -45,6 +51,11 @@ class Journal {
   const std::deque<Entry>& unacknowledged() const { return entries_; }
   /// Whether the present incarnation of the receiver has taken it.
   bool is_taken(const Entry& entry) const { return entry.sequence <= peer_taken_; }
+  /// Messages that it has not said that it has taken.
+  std::size_t untaken() const { return entries_.size() - taken_entries(); }
+  /// How many were let go although they are not durable: if the receiver dies, too, what it had of
+  /// them is lost.
+  std::uint64_t let_go() const { return let_go_; }
   /// Who the other side is at present; 0 before the first link.
   Incarnation peer() const { return peer_; }
 
@@ -64,7 +75,13 @@ class Journal {
   bool take_acknowledgement_due();
 
  private:
+  /// At the front of all that are kept.
+  std::size_t taken_entries() const;
+  void drop_oldest();
+
   std::deque<Entry> entries_;
+  std::size_t bytes_ = 0;  ///< Of their payloads.
+  std::uint64_t let_go_ = 0;
   std::uint64_t next_sequence_ = 1;
   std::uint64_t sent_ = 0;          ///< Highest sequence sent over the present link.
   std::uint64_t highest_sent_ = 0;  ///< Over any link to this incarnation.

@@ -1,6 +1,7 @@
 // Bodies that change their server: none lost, none doubled, nothing felt.
 #include <optional>
 
+#include "protocol/wire.h"
 #include "tests/support/catch.h"
 #include "tests/support/region_cluster.h"
 
@@ -384,4 +385,63 @@ TEST_CASE("a neighbour that sets off more blasts, or removes more, than can be i
     region.step(200);
     CHECK(tell(from, 0, 1));
   }
+}
+
+TEST_CASE("groups that wait for a step are bounded by their bytes, too") {
+  Besieged region;
+  region.start();
+  region.step();
+  const auto tell = [&](std::uint32_t n) {
+    HandoffGroup group;
+    group.tick = region.now;
+    group.bodies.push_back({{BodyId::world(1'000 + n), ball, at({10.0 + n, 3, 0})}, 1});
+    Bytes payload = encode_handoff(group);
+    payload.resize(8u << 20);
+    const Status taken = region.hear(FrameType::handoff, std::move(payload));
+    if (!taken) --region.sequence;
+    return taken;
+  };
+  std::uint32_t n = 0;
+  while (n < 32) REQUIRE(tell(n++));
+  const Status more = tell(n);
+  REQUIRE_FALSE(more);
+  CHECK(more.error().message.find("too many handoffs") != std::string::npos);
+  region.step();
+  CHECK(tell(n));
+  region.step();
+  CHECK(region.core->physics().size() == 33);
+}
+
+TEST_CASE("a neighbour that talks and never says what it has taken is no neighbour") {
+  Besieged region;
+  region.start();
+  PlayerCommand command;
+  command.player = PlayerId{7};
+  command.session = 1;
+  command.kind = PlayerCommand::Kind::join;
+  const auto& journal = region.core->journal(RegionId{1});
+  const auto do_something = [&] {
+    ++command.sequence;
+    const Bytes payload = encode_commands(std::span(&command, 1));
+    REQUIRE(region.core->receive(PeerId::gateway(0), Frame{FrameType::commands, 0, payload}));
+    region.step();
+    command.kind = PlayerCommand::Kind::blast;
+  };
+  const auto chatter = [&] {
+    return region.hand_over(BodyId::world(90), ball, at({10, 3, 0}), region.now);
+  };
+  REQUIRE(chatter());
+  for (int i = 0; i < 40'000 && journal.untaken() <= 16'384; ++i) do_something();
+  REQUIRE(journal.untaken() == 16'385);
+  const Status heard = chatter();
+  REQUIRE_FALSE(heard);
+  CHECK(heard.error().message.find("has not said that it took 16385 messages") !=
+        std::string::npos);
+  // It can always say so.
+  flatbuffers::FlatBufferBuilder builder;
+  const Bytes acknowledge =
+      finish_frame(builder, wire::CreateAcknowledge(builder, 1, 1), FrameType::acknowledge);
+  REQUIRE(region.core->receive(PeerId{1}, Frame(*decode_frame(acknowledge))));
+  --region.sequence;
+  CHECK(chatter());
 }

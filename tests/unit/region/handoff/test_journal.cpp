@@ -147,3 +147,45 @@ TEST_CASE("an acknowledgement is due when more becomes durable") {
   journal.note_durable(1);
   REQUIRE_FALSE(journal.take_acknowledgement_due());
 }
+
+TEST_CASE(
+    "of what a receiver takes and never makes durable the oldest is let go, nothing untaken is") {
+  Journal journal;
+  journal.link_up(Incarnation{7});
+  const std::uint64_t count = Journal::taken_max + 100;
+  for (std::uint64_t n = 0; n < count; ++n) journal.append(FrameType::handoff, text('a'));
+  CHECK(journal.untaken() == count);
+  CHECK(journal.take_unsent().size() == count);
+  REQUIRE(journal.acknowledge(count - 10, 3));
+  CHECK(journal.untaken() == 10);
+  CHECK(journal.let_go() == 100 - 10 - 3);
+  CHECK(journal.unacknowledged().size() == Journal::taken_max + 10);
+  CHECK(journal.unacknowledged().front().sequence == 100 - 10 + 1);
+  // After a restart of the receiver what is left is sent again.
+  journal.link_up(Incarnation{8});
+  CHECK(journal.take_unsent().size() == Journal::taken_max + 10);
+}
+
+TEST_CASE("the bytes of what is taken and not durable are bounded, too") {
+  Journal journal;
+  journal.link_up(Incarnation{7});
+  constexpr std::size_t large = 8u << 20;
+  for (int n = 0; n < 10; ++n) journal.append(FrameType::handoff, Bytes(large));
+  journal.take_unsent();
+  // All of them wait for being taken, however many.
+  CHECK(journal.unacknowledged().size() == 10);
+  REQUIRE(journal.acknowledge(1, 0));
+  CHECK(journal.unacknowledged().size() == 9);
+  REQUIRE(journal.acknowledge(10, 0));
+  CHECK(journal.unacknowledged().size() == Journal::bytes_max / large);
+  CHECK(journal.let_go() == 2);
+  // Time and again.
+  for (int n = 0; n < 3; ++n) {
+    journal.append(FrameType::handoff, Bytes(large));
+    journal.take_unsent();
+    REQUIRE(journal.acknowledge(11 + static_cast<std::uint64_t>(n), 0));
+    CHECK(journal.unacknowledged().size() == Journal::bytes_max / large);
+  }
+  REQUIRE(journal.acknowledge(13, 13));
+  CHECK(journal.unacknowledged().empty());
+}
