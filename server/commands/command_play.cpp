@@ -78,7 +78,7 @@ Result<std::string> write_new_secret(const std::filesystem::path& file) {
 }
 
 int play(const PlayOptions& options) {
-  const std::string log_level = chosen_log_level(options.log_level);
+  const std::string log_level = chosen_log_level(options.log_level, "warning");
   if (const Status known = start_logging("play", log_level); !known) {
     return complain(exit_usage, known.error().message);
   }
@@ -163,7 +163,8 @@ void add_play(CLI::App& app, int& exit_code) {
       "Folder in which the world survives: started with it again, it goes on where\n"
       "it was. Without it the world ends with this command");
   command->add_option("--log-level", options->log_level,
-                      "trace, debug, info, warning, error or off; also AUREOLE_LOG_LEVEL");
+                      "trace, debug, info, warning, error or off (default: AUREOLE_LOG_LEVEL or\n"
+                      "warning)");
   command->add_option("--web-root", options->web_root,
                       "Folder of the player page, if not the built one");
   command

@@ -167,6 +167,8 @@ struct RegionServer::Impl {
     if (!clock.is_set() || !(all_linked() || core.recovering())) return;
     begun = true;
     next_tick = Tick{*clock.world_us(monotonic_us()) / tick_us + 1};
+    next_report = next_tick + report_interval_ticks;
+    tolerance_log.begin(next_tick);
     spdlog::info("the world runs, from tick {} on", next_tick.value);
     wait_until(clock.local_us(next_tick.value * tick_us));
   }
@@ -220,7 +222,7 @@ struct RegionServer::Impl {
     // Others wait for the messages of a step from its tick on, whether it was long or began late.
     const std::int64_t due_us = std::min(from_us, clock.local_us(next_tick.value * tick_us));
     last_frame_ms = static_cast<double>(done_us - due_us) / 1e3;
-    tolerance_log.add(core.tolerance_events());
+    tolerance_log.add(next_tick, core.tolerance_events());
     next_tick = next_tick + 1;
   }
 

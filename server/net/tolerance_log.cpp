@@ -40,14 +40,34 @@ std::string ToleranceLog::line(const ToleranceEvent& event) {
   return line;
 }
 
-void ToleranceLog::add(std::span<const ToleranceEvent> events) {
-  for (const ToleranceEvent& event : events) {
-    const std::string text = line(event);
-    if (text.empty()) continue;
-    if (event.outside)
-      spdlog::warn("{}", text);
+void ToleranceLog::begin(Tick now) {
+  told_from_ = now + pause_ticks;
+}
+
+std::vector<ToleranceLog::Line> ToleranceLog::lines(Tick now,
+                                                    std::span<const ToleranceEvent> events) {
+  std::vector<Line> lines;
+  if (now < told_from_) {
+    for (const ToleranceEvent& event : events)
+      held_.insert_or_assign({event.kind, event.peer}, event);
+    return lines;
+  }
+  const auto tell = [&](const ToleranceEvent& event) {
+    if (std::string text = line(event); !text.empty())
+      lines.push_back({event.outside, std::move(text)});
+  };
+  for (const auto& [of, event] : std::exchange(held_, {}))
+    if (event.outside) tell(event);
+  for (const ToleranceEvent& event : events) tell(event);
+  return lines;
+}
+
+void ToleranceLog::add(Tick now, std::span<const ToleranceEvent> events) {
+  for (const Line& line : lines(now, events)) {
+    if (line.outside)
+      spdlog::warn("{}", line.text);
     else
-      spdlog::info("{}", text);
+      spdlog::info("{}", line.text);
   }
 }
 

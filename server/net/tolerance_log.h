@@ -6,6 +6,8 @@
 #include <span>
 #include <string>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "server/region/tolerances/tolerances.h"
 
@@ -15,7 +17,18 @@ namespace aureole {
 /// the next one.
 class ToleranceLog {
  public:
-  void add(std::span<const ToleranceEvent> events);
+  /// The world begins here, or this server in it. For a second steps and links find their pace:
+  /// what is outside then counts as anywhere else, and is told only if it still is when that second
+  /// ends.
+  void begin(Tick now);
+  /// Logs what is to be told of what has happened up to `now`.
+  void add(Tick now, std::span<const ToleranceEvent> events);
+
+  struct Line {
+    bool outside = false;
+    std::string text;
+  };
+  std::vector<Line> lines(Tick now, std::span<const ToleranceEvent> events);
   /// The line for an event, or nothing if it is too soon for another one.
   std::string line(const ToleranceEvent& event);
 
@@ -25,6 +38,9 @@ class ToleranceLog {
     std::uint64_t unsaid = 0;
   };
   std::map<std::tuple<ToleranceEvent::Kind, RegionId, bool>, Said> said_;
+  Tick told_from_;
+  /// The newest of each kind and peer while nothing is told.
+  std::map<std::pair<ToleranceEvent::Kind, RegionId>, ToleranceEvent> held_;
 };
 
 }  // namespace aureole

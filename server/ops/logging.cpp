@@ -24,10 +24,10 @@ constexpr std::array<std::pair<std::string_view, spdlog::level::level_enum>, 6> 
 
 }  // namespace
 
-std::string chosen_log_level(const std::string& option) {
+std::string chosen_log_level(const std::string& option, const char* otherwise) {
   if (!option.empty()) return option;
   const char* environment = std::getenv("AUREOLE_LOG_LEVEL");
-  return environment != nullptr && *environment != '\0' ? environment : "info";
+  return environment != nullptr && *environment != '\0' ? environment : otherwise;
 }
 
 Status start_logging(const std::string& role, const std::string& level) {

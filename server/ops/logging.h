@@ -8,8 +8,8 @@
 namespace aureole {
 
 /// The level that --log-level or, without it, the environment variable AUREOLE_LOG_LEVEL names.
-/// Both empty: "info".
-std::string chosen_log_level(const std::string& option);
+/// Both empty: `otherwise`.
+std::string chosen_log_level(const std::string& option, const char* otherwise = "info");
 
 /// Makes spdlog's default logger write `12:34:56.789 r0 info: text` to stderr. `role` is one word:
 /// r0, gateway, play. Errors: an unknown level (trace, debug, info, warning, error, off exist).

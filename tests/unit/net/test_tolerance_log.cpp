@@ -35,3 +35,24 @@ TEST_CASE("each kind and peer has one line a second, and says how many were left
   REQUIRE_FALSE(log.line(late(1, 1061, false)).empty());
   REQUIRE(log.line(late(1, 1062)).ends_with("(2 more times before that)"));
 }
+
+TEST_CASE("what is outside while a server begins is told a second later, if it still is") {
+  ToleranceLog log;
+  log.begin(Tick{1000});
+  const auto told = [&](std::int64_t now, std::vector<ToleranceEvent> events) {
+    return log.lines(Tick{now}, events);
+  };
+  CHECK(told(1001, {late(1, 1001), late(2, 1001)}).empty());
+  CHECK(told(1030, {late(1, 1030, false)}).empty());
+  CHECK(told(1061, {}).empty());
+  const auto lines = told(1062, {late(3, 1062)});
+  REQUIRE(lines.size() == 2);
+  CHECK(lines[0].outside);
+  CHECK(lines[0].text.find("at tick 1001, latency: messages of r2") != std::string::npos);
+  CHECK(lines[1].text.find("at tick 1062, latency: messages of r3") != std::string::npos);
+  CHECK(told(1070, {late(1, 1070, false)}).size() == 1);
+  // Without a beginning all is told at once.
+  ToleranceLog other;
+  const std::vector<ToleranceEvent> events{late(1, 5)};
+  CHECK(other.lines(Tick{5}, events).size() == 1);
+}

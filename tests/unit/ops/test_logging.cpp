@@ -54,8 +54,9 @@ TEST_CASE("an unknown log level is refused with the ones there are") {
 TEST_CASE("the option goes before the environment, which goes before the default") {
   unsetenv("AUREOLE_LOG_LEVEL");
   REQUIRE(chosen_log_level("") == "info");
+  REQUIRE(chosen_log_level("", "warning") == "warning");
   setenv("AUREOLE_LOG_LEVEL", "debug", 1);
-  REQUIRE(chosen_log_level("") == "debug");
+  REQUIRE(chosen_log_level("", "warning") == "debug");
   REQUIRE(chosen_log_level("error") == "error");
   unsetenv("AUREOLE_LOG_LEVEL");
 }
