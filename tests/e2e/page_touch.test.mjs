@@ -63,6 +63,7 @@ test("fingers reach every button in every window, before and after the first tou
     const panels = [".stats", ".toggles", ".touch-buttons", "#throwables"];
     assert.deepEqual(await overlaps(page, panels), [], what);
     await keep_screenshot(page, `page-touch-${width}x${height}`);
+    await page.context().close();
   }
 });
 
@@ -84,6 +85,32 @@ test("fingers choose, grab, show boundaries and open the help", async () => {
   await page.waitForSelector("#help", { state: "hidden" });
 });
 
+test("fingers start again from the help, once they have begun", async () => {
+  const gateway = await fixture.start();
+  for (const { width, height } of windows) {
+    const page = await fixture.open_playing("", { width, height, ...fingers });
+    await page.waitForSelector("#help", { state: "visible" });
+    assert.equal(await page.isVisible("#again"), false);
+    await page.tap("#start");
+    await page.tap("#toggle-help");
+    await page.waitForSelector("#again", { state: "visible" });
+    const what = `${width} × ${height}`;
+    assert.deepEqual(await out_of_reach(page, ["#start", "#again"]), [], what);
+    const before = gateway.messages("action").length;
+    await keep_screenshot(page, `page-help-again-${width}x${height}`);
+    await page.tap("#again");
+    await eventually("the new start", () => gateway.messages("action").length === before + 1);
+    assert.equal(gateway.messages("action").at(-1).action, "respawn");
+    await page.waitForSelector("#help", { state: "hidden" });
+    await page.context().close();
+  }
+  const with_mouse = await fixture.open_playing("", {});
+  await with_mouse.click("#start");
+  await with_mouse.keyboard.press("KeyH");
+  await with_mouse.waitForSelector("#help", { state: "visible" });
+  assert.equal(await with_mouse.isVisible("#again"), false);
+});
+
 test("names of two words are not cut on a phone", async () => {
   const gateway = await fixture.start();
   gateway.throwables = ["rubber ball", "heavy ball", "wooden crate", "hammer"];
@@ -98,6 +125,7 @@ test("names of two words are not cut on a phone", async () => {
         .map((name) => name.textContent),
     );
     assert.deepEqual(cut, [], `${width} × ${height}`);
+    await page.context().close();
   }
 });
 
@@ -129,6 +157,7 @@ test("the button that starts is in sight in a low window", async () => {
       assert.deepEqual(await out_of_reach(page, ["#start"]), [], `${width} × ${height}`);
       await page.click("#start");
       await page.waitForSelector("#help", { state: "hidden" });
+      await page.context().close();
     }
   }
 });

@@ -285,6 +285,12 @@ for (const action of ["grab", "blast"] as const) {
   element(`touch-${action}`).addEventListener("click", () => obey({ kind: "action", action }));
 }
 
+// What the key R does, for those who have none.
+element("again").addEventListener("click", () => {
+  obey({ kind: "action", action: "respawn" });
+  start();
+});
+
 expose_statistics({ display, connection, input, look, pointer, view, session });
 void label_keys();
 // Where fingers are the rule, their buttons are there before the first touch.

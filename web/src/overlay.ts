@@ -45,6 +45,7 @@ export class Overlay {
   show_help(first_time: boolean): void {
     this.help_ = true;
     element("start").textContent = first_time ? "Step inside" : "Back to the game";
+    element("again").hidden = first_time;
     this.draw();
   }
 
