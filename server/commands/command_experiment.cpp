@@ -11,6 +11,7 @@
 
 #include "server/commands/commands.h"
 #include "server/measure/experiment.h"
+#include "server/measure/figures/run_ranges.h"
 
 namespace aureole {
 namespace {
@@ -137,32 +138,44 @@ int run(Options o) {
   return exit_ok;
 }
 
+CLI::Range in_range(run_ranges::Range range) {
+  return CLI::Range(range.from, range.to);
+}
+/// For whole numbers: their sentence has no point in it.
+CLI::Range in_whole_range(run_ranges::Range range) {
+  return CLI::Range(static_cast<int>(range.from), static_cast<int>(range.to));
+}
+
+CLI::IsMember one_of(std::initializer_list<const char*> words) {
+  return CLI::IsMember(std::vector<std::string>(words.begin(), words.end()));
+}
+
 void add_network_options(CLI::App& command, ExperimentOptions& e) {
   command.add_option("--latency-ms", e.latency_ms, "Longest time of a message")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 1000.0));
+      ->check(in_range(run_ranges::message_ms));
   command.add_option("--jitter-ms", e.jitter_ms, "It takes this much less at most")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 1000.0));
+      ->check(in_range(run_ranges::message_ms));
   command
       .add_option("--loss-pct", e.loss_pct,
                   "TCP segments that are lost, of a hundred: what comes after them waits until\n"
                   "they have been sent again")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 20.0));
+      ->check(in_range(run_ranges::loss_pct));
 }
 
 void add_tolerance_options(CLI::App& command, Options& o) {
   AuraTolerances& t = o.experiment.workload.tolerances;
   command.add_option("--speed-tolerance", t.speed_mps, "m/s, the fastest that auras reckon with")
       ->capture_default_str()
-      ->check(CLI::Range(0.1, 1000.0));
+      ->check(in_range(run_ranges::speed_tolerance_mps));
   command.add_option("--latency-tolerance", t.latency_ms, "ms, likewise the longest latency")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 1000.0));
+      ->check(in_range(run_ranges::latency_tolerance_ms));
   command.add_option("--frame-time-tolerance", t.frame_time_ms, "ms, likewise the longest frame")
       ->capture_default_str()
-      ->check(CLI::Range(0.1, 1000.0));
+      ->check(in_range(run_ranges::frame_time_tolerance_ms));
   command
       .add_option("--tolerances", o.tolerances,
                   "fixed: as said; follow: the latency tolerance is what links measure, and more")
@@ -183,29 +196,29 @@ void add_experiment(CLI::App& app, int& exit_code) {
   command
       ->add_option("layout", e.workload.layout,
                    "column (1 to 10 servers), corner (1, 3, 4, 9), or grid (4, 9, 16 … 64)")
-      ->check(CLI::IsMember({"column", "corner", "grid"}));
+      ->check(one_of(run_ranges::layouts));
   command->add_option("--servers", e.workload.servers, "How many regions")
       ->capture_default_str()
-      ->check(CLI::Range(1, 64));
+      ->check(in_whole_range(run_ranges::servers));
   command
       ->add_option("--mode", e.mode,
                    "naive, paper, adaptive: servers that talk, beside single, cut and ideal;\n"
                    "single: one server for everything; ideal: worlds that do not talk;\n"
                    "cut: bodies are handed over at the boundary at once and for free")
       ->capture_default_str()
-      ->check(CLI::IsMember({"single", "naive", "paper", "adaptive", "ideal", "cut"}));
+      ->check(one_of(run_ranges::modes));
   command->add_option("--seconds", e.workload.seconds, "World time; bodies come all the while")
       ->capture_default_str()
-      ->check(CLI::Range(0.5, 3600.0));
+      ->check(in_range(run_ranges::seconds));
   command
       ->add_option("--rate", e.workload.rate_per_s,
                    "Bodies a second; on a grid, for every four regions")
       ->capture_default_str()
-      ->check(CLI::Range(1.0, 10'000.0));
+      ->check(in_range(run_ranges::rate_per_s));
   command->add_option("--seed", e.workload.seed, "Of bodies and network")->capture_default_str();
   command->add_option("--repeat", e.repeats, "Runs of the same, for the mean of their maxima")
       ->capture_default_str()
-      ->check(CLI::Range(1, 100));
+      ->check(in_whole_range(run_ranges::repeats));
   add_network_options(*command, e);
   add_tolerance_options(*command, *o);
   command->add_flag("--single,!--no-single", e.with_single,
@@ -230,7 +243,7 @@ void add_experiment(CLI::App& app, int& exit_code) {
           "has a heap of its own, so that many servers in one process, which share both,\n"
           "can be compared with few")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 3600.0));
+      ->check(in_range(run_ranges::cold_caches_s));
   command->add_flag("--judge,!--no-judge", e.judged,
                     "Run it once more for the oracles to look at (on by default)");
   command->add_option("--json", o->json, "Write all figures to this file");

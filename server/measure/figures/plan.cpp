@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "server/measure/figures/run_ranges.h"
+
 namespace aureole {
 namespace {
 
@@ -143,20 +145,20 @@ class Fields {
  public:
   explicit Fields(const nlohmann::json& object) : object_(object) {}
 
-  void number(const char* key, double from, double to, double& into) {
+  void number(const char* key, run_ranges::Range range, double& into) {
     const auto& value = object_.at(key);
-    if (value.is_number() && value.get<double>() >= from && value.get<double>() <= to)
+    if (value.is_number() && contains(range, value.get<double>()))
       into = value.get<double>();
     else
-      refuse(key, fmt::format("a number from {:g} to {:g}", from, to));
+      refuse(key, fmt::format("a number from {:g} to {:g}", range.from, range.to));
   }
-  void whole(const char* key, int from, int to, int& into) {
+  void whole(const char* key, run_ranges::Range range, int& into) {
     const auto& value = object_.at(key);
     // As a double first: whole numbers may be too large for an int.
-    if (value.is_number_integer() && value.get<double>() >= from && value.get<double>() <= to)
+    if (value.is_number_integer() && contains(range, value.get<double>()))
       into = value.get<int>();
     else
-      refuse(key, fmt::format("a whole number from {} to {}", from, to));
+      refuse(key, fmt::format("a whole number from {:g} to {:g}", range.from, range.to));
   }
   void seed(const char* key, std::uint64_t& into) {
     const auto& value = object_.at(key);
@@ -165,7 +167,7 @@ class Fields {
     else
       refuse(key, "a whole number that is not negative");
   }
-  void word(const char* key, const std::vector<std::string>& known, std::string& into) {
+  void word(const char* key, std::initializer_list<const char*> known, std::string& into) {
     const auto& value = object_.at(key);
     if (value.is_string() && std::count(known.begin(), known.end(), value.get<std::string>()) > 0)
       into = value.get<std::string>();
@@ -182,6 +184,9 @@ class Fields {
   Status end() const { return end_; }
 
  private:
+  static bool contains(run_ranges::Range range, double value) {
+    return value >= range.from && value <= range.to;
+  }
   /// Says nothing of the value: what stands in a file may be any text of any length.
   void refuse(const char* key, const std::string& expected) {
     if (end_) end_ = Error::format("`{}` of the run is wrong; expected {}", key, expected);
@@ -292,25 +297,27 @@ Result<PlannedRun> planned_run_from(const nlohmann::json& value) {
     if (!study) return Error{"`study` is none of the studies"};
     run.study = *study;
     Fields fields(value);
-    fields.word("layout", {"column", "corner", "grid"}, run.layout);
-    fields.whole("servers", 1, 64, run.servers);
-    fields.word("mode", {"single", "naive", "paper", "adaptive", "ideal", "cut"}, run.mode);
-    fields.number("seconds", 0.5, 3600, run.seconds);
-    fields.number("rate_per_s", 1, 10'000, run.rate_per_s);
-    fields.whole("repeats", 1, 100, run.repeats);
+    fields.word("layout", run_ranges::layouts, run.layout);
+    fields.whole("servers", run_ranges::servers, run.servers);
+    fields.word("mode", run_ranges::modes, run.mode);
+    fields.number("seconds", run_ranges::seconds, run.seconds);
+    fields.number("rate_per_s", run_ranges::rate_per_s, run.rate_per_s);
+    fields.whole("repeats", run_ranges::repeats, run.repeats);
     fields.seed("seed", run.seed);
-    fields.number("latency_ms", 0, 1000, run.network.latency_ms);
-    fields.number("jitter_ms", 0, 1000, run.network.jitter_ms);
-    fields.number("loss_pct", 0, 20, run.network.loss_pct);
-    fields.number("speed_tolerance_mps", 0.1, 1000, run.tolerances.speed_mps);
-    fields.number("latency_tolerance_ms", 0, 1000, run.tolerances.latency_ms);
+    fields.number("latency_ms", run_ranges::message_ms, run.network.latency_ms);
+    fields.number("jitter_ms", run_ranges::message_ms, run.network.jitter_ms);
+    fields.number("loss_pct", run_ranges::loss_pct, run.network.loss_pct);
+    fields.number("speed_tolerance_mps", run_ranges::speed_tolerance_mps, run.tolerances.speed_mps);
+    fields.number("latency_tolerance_ms", run_ranges::latency_tolerance_ms,
+                  run.tolerances.latency_ms);
     fields.flag("tolerances_follow", run.tolerances.follow);
     fields.flag("judged", run.judged);
     fields.flag("references", run.references);
     // Files of older builds do not say these.
     run.single = run.references && run.mode == "adaptive";
     if (value.contains("single")) fields.flag("single", run.single);
-    if (value.contains("cold_caches_s")) fields.number("cold_caches_s", 0, 3600, run.cold_caches_s);
+    if (value.contains("cold_caches_s"))
+      fields.number("cold_caches_s", run_ranges::cold_caches_s, run.cold_caches_s);
     if (const Status end = fields.end(); !end) return end.error();
     return run;
   } catch (const nlohmann::json::exception& wrong) {

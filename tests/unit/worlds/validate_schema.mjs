@@ -10,7 +10,7 @@ function fail(sentence) {
 }
 
 const root = process.argv[2] ?? fail("usage: validate_schema.mjs <root of the source tree>");
-const folder = join(root, "server/worlds");
+const folder = join(root, "server/worlds/library");
 
 let Ajv;
 try {
