@@ -147,6 +147,9 @@ TEST_CASE("Odd requests are told what is wrong with them, and the next one is se
   EchoServer server;
   REQUIRE(server.ask("DELETE / HTTP/1.1\r\nHost: x\r\n\r\n").status == 405);
   REQUIRE(server.ask("GET / HTTP/1.1\r\nHost: x\r\nContent-Length: 5\r\n\r\n12345").status == 413);
+  const auto hosts = server.ask("GET / HTTP/1.1\r\nHost: localhost\r\nHost: evil\r\n\r\n");
+  REQUIRE(hosts.status == 400);
+  REQUIRE(hosts.body.find("one Host; this one has several") != std::string::npos);
   REQUIRE(server.ask("nonsense\r\n\r\n").status == 400);
   REQUIRE(server.ask("GET / HTTP/1.1\r\nX: " + std::string(9000, 'a') + "\r\n\r\n").status == 431);
   REQUIRE(server
