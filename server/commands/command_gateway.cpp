@@ -27,7 +27,7 @@ struct GatewayCommandOptions {
   std::string mode;  ///< Empty: as the world file says.
   std::string listen = "127.0.0.1:8080";
   std::vector<std::string> addresses;
-  std::string secret;
+  SecretOption secret;
   std::string web_root;
   int number = 0;
   int render_threads = 0;
@@ -45,7 +45,7 @@ int run_gateway(const GatewayCommandOptions& options) {
   auto regions =
       parse_regions(options.addresses, "--region", static_cast<int>(world->regions.size()), -1);
   if (!regions) return complain(exit_usage, regions.error().message);
-  auto secret = secret_from(options.secret);
+  auto secret = options.secret.read();
   if (!secret) return complain(exit_usage, secret.error().message);
 
   GatewayOptions gateway_options;
@@ -98,7 +98,7 @@ void add_gateway(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("--region", options->addresses,
                       "A region and its address, as r0=127.0.0.1:7000; once for each");
-  add_secret_option(*command, options->secret);
+  options->secret.add_to(*command);
   command->add_option("--web-root", options->web_root,
                       "Folder of the built player page (default: the one built with this program)");
   command

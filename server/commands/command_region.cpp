@@ -30,7 +30,7 @@ struct RegionOptions {
   std::vector<std::string> peers;
   std::uint64_t incarnation = 0;
   std::string state;
-  std::string secret;
+  SecretOption secret;
   std::string log_level;
 };
 
@@ -64,7 +64,7 @@ int run_region(const RegionOptions& options) {
   auto listen = parse_endpoint(at);
   if (!listen) return complain(exit_usage, "--listen: " + listen.error().message);
   server_options.listen = *listen;
-  auto secret = secret_from(options.secret);
+  auto secret = options.secret.read();
   if (!secret) return complain(exit_usage, secret.error().message);
   server_options.secret = std::move(*secret);
   auto peers = parse_regions(options.peers, "--peer", count, options.region);
@@ -111,7 +111,7 @@ void add_region(CLI::App& app, int& exit_code) {
       "Address for other servers, host:port (default 127.0.0.1:7000 plus --region)");
   command->add_option("--peer", options->peers,
                       "Another region and its address, as r1=127.0.0.1:7001; once for each");
-  add_secret_option(*command, options->secret);
+  options->secret.add_to(*command);
   command->add_option("--incarnation", options->incarnation,
                       "Number of this start, greater than at the last one (default: the time)");
   command->add_option("--state", options->state,

@@ -68,8 +68,10 @@ void RegionSubscriber::on_up(PeerId peer) {
 }
 
 void RegionSubscriber::on_refused(PeerId peer, const Refusal& refusal) {
+  const std::string& name = name_of(peer.as_region());
   const std::string what =
-      fmt::format("region {} refused this gateway: {}", name_of(peer.as_region()), refusal.reason);
+      refusal.is_ours ? fmt::format("no link with region {}: {}", name, refusal.reason)
+                      : fmt::format("region {} refused this gateway: {}", name, refusal.reason);
   if (refusal.replaced)
     events_.rejected(what + "; each gateway of a world needs its own --number");
   else if (!was_linked_)

@@ -81,19 +81,21 @@ struct RegionServer::Impl {
                       [this](PeerId peer, const std::string&) { core.peer_down(peer); },
                       [this](PeerId peer, const FrameView& f) { return core.receive(peer, f); },
                       [this] { return begun; },
-                      [this](PeerId peer, const Refusal& refusal) {
-                        // A world that runs is not ended by whoever happens to answer somewhere.
-                        const std::string what = fmt::format("{} refused this server: {}",
-                                                             describe(peer), refusal.reason);
-                        // A newer start of this very region is another matter: two that simulate
-                        // the same bodies help nobody.
-                        if (begun && !refusal.replaced)
-                          spdlog::error("{}", what);
-                        else
-                          fail(what);
-                      },
+                      [this](PeerId peer, const Refusal& refusal) { refused(peer, refusal); },
                       [this](PeerId peer) { measured(peer); },
                   });
+  }
+
+  void refused(PeerId peer, const Refusal& refusal) {
+    const std::string what =
+        refusal.is_ours ? fmt::format("no link with {}: {}", describe(peer), refusal.reason)
+                        : fmt::format("{} refused this server: {}", describe(peer), refusal.reason);
+    // A world that runs is not ended by whoever happens to answer somewhere. A newer start of this
+    // very region is another matter: two that simulate the same bodies help nobody.
+    if (begun && !refusal.replaced)
+      spdlog::error("{}", what);
+    else
+      fail(what);
   }
 
   void fail(const std::string& why) {

@@ -32,9 +32,13 @@ std::string ToleranceLog::line(const ToleranceEvent& event) {
     ++said.unsaid;
     return {};
   }
-  std::string line = fmt::format("{} its tolerance at tick {}, {}; at most {:g}",
-                                 event.outside ? "outside" : "back inside", event.tick.value,
-                                 what(event), event.limit);
+  // A link that is lost is outside at once, however new its last word.
+  const bool lost =
+      event.kind == ToleranceEvent::Kind::link && event.outside && event.value <= event.limit;
+  std::string line = fmt::format("{} its tolerance at tick {}, ",
+                                 event.outside ? "outside" : "back inside", event.tick.value);
+  line += lost ? fmt::format("link: r{} is lost", event.peer.value)
+               : fmt::format("{}; at most {:g}", what(event), event.limit);
   if (said.unsaid > 0) line += fmt::format(" ({} more times before that)", said.unsaid);
   said = {event.tick, 0};
   return line;

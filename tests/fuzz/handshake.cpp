@@ -41,10 +41,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const FrameView frame{static_cast<FrameType>(data[0] % (last_frame_type + 1)), 0, payload};
   read(frame);
   for (const auto& known : {std::optional<Secret>{}, secret}) {
-    Handshake dials(Side::dials, known);
+    Handshake dials(Side::dials, PeerId{0}, known);
     if (dials.hear_challenge(frame)) FUZZ_EXPECT(frame.type == FrameType::challenge);
     for (const Side side : {Side::dials, Side::answers}) {
-      Handshake handshake(side, known);
+      Handshake handshake(side, PeerId{0}, known);
       const auto opened = handshake.open(frame);
       // Nobody who does not know it proves anything.
       if (opened) FUZZ_EXPECT(opened->is_proven == !known.has_value());
@@ -55,7 +55,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 }
 
 std::vector<Bytes> aureole_fuzz_seeds() {
-  Handshake dials(Side::dials, secret), answers(Side::answers, secret);
+  Handshake dials(Side::dials, PeerId{0}, secret), answers(Side::answers, PeerId{0}, secret);
   const SharedBytes challenge = answers.challenge();
   if (!dials.hear_challenge(*decode_frame(*challenge))) std::abort();
   PeerLinksOptions peer = options();
@@ -63,8 +63,8 @@ std::vector<Bytes> aureole_fuzz_seeds() {
   const SharedBytes hello = make_hello(peer, Incarnation{3}, true);
   std::vector<Bytes> seeds;
   for (const SharedBytes& frame :
-       {challenge, Handshake(Side::answers, {}).challenge(), hello, make_refusal({"no", true}),
-        dials.seal(hello), answers.seal(hello)}) {
+       {challenge, Handshake(Side::answers, PeerId{0}, {}).challenge(), hello,
+        make_refusal({"no", true}), dials.seal(hello), answers.seal(hello)}) {
     const auto view = *decode_frame(*frame);
     Bytes seed{static_cast<std::byte>(view.type)};
     seed.insert(seed.end(), view.payload.begin(), view.payload.end());

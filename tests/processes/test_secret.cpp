@@ -88,10 +88,11 @@ TEST_CASE("servers with the same secret make a world, and nobody with another on
     CHECK(wrong.line_with("region r0 refused this server: it knows another secret"));
     Running without = region(1, elsewhere, {});
     CHECK(without.wait_for_end() == "exit code 1");
-    CHECK(without.line_with("it asks for a secret, and this server has none: start every server"));
+    CHECK(without.line_with(
+        "no link with region r0: it asks for a secret, and this server has none"));
     Running blind = gateway(ports, {});
     CHECK(blind.wait_for_end() == "exit code 1");
-    CHECK(blind.line_with(" refused this gateway: it asks for a secret"));
+    CHECK(blind.line_with("it asks for a secret, and this server has none: start every server"));
     CHECK_FALSE(r0.line_with("lost region r1"));
     if (!world_runs) continue;
 
@@ -112,4 +113,13 @@ TEST_CASE("a secret that is no secret ends a server before it listens, with exit
   Running poor = gateway(ports, {"--secret", folder.file("short", "1234")});
   CHECK(poor.wait_for_end() == "exit code 2");
   CHECK(poor.line_with("a secret of 4 characters; expected 16 to 4096"));
+  // What a variable that is not set leaves behind.
+  Running empty = region(0, ports, {"--secret", ""});
+  CHECK(empty.wait_for_end() == "exit code 2");
+  CHECK(empty.line_with("names no file"));
+  setenv("AUREOLE_SECRET", "", 1);
+  Running unset = gateway(ports, {});
+  unsetenv("AUREOLE_SECRET");
+  CHECK(unset.wait_for_end() == "exit code 2");
+  CHECK(unset.line_with("names no file"));
 }

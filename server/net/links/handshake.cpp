@@ -90,7 +90,7 @@ Refusal read_refusal(const FrameView& frame) {
   if (read == nullptr || read->reason() == nullptr) return {"no reason given"};
   Refusal refusal{read->reason()->str().substr(0, 500), read->replaced()};
   for (char& c : refusal.reason)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+    if (c < 0x20 || c > 0x7e) c = ' ';
   return refusal;
 }
 
@@ -99,8 +99,8 @@ std::string describe(PeerId peer) {
                           : fmt::format("gateway {}", peer.value - PeerId::first_gateway);
 }
 
-Handshake::Handshake(Side side, const std::optional<Secret>& secret)
-    : side_(side), secret_(secret) {
+Handshake::Handshake(Side side, PeerId answering, const std::optional<Secret>& secret)
+    : side_(side), answering_(answering), secret_(secret) {
   if (!secret) return;
   (side == Side::dials ? dialling_nonce_ : answering_nonce_) = random_nonce();
 }
@@ -131,20 +131,23 @@ Status Handshake::hear_challenge(const FrameView& frame) {
   return Ok{};
 }
 
-Secret::Mac Handshake::code_of(Side sender, FrameType type,
+Secret::Mac Handshake::code_of(Side sender, const Nonce& dialling, FrameType type,
                                std::span<const std::byte> payload) const {
-  // All but the payload have fixed lengths. Who sends is part of it: no proof can be sent back.
+  // All but the payload have fixed lengths. Who sends is part of it, so that no proof can be sent
+  // back; and who was dialled, so that none can be passed on to another server.
   const auto number = static_cast<std::uint16_t>(type);
-  const std::array<std::byte, 3> head{std::byte(sender == Side::dials ? 'd' : 'a'),
-                                      std::byte(number & 0xff), std::byte(number >> 8)};
-  return secret_->mac({head, *answering_nonce_, *dialling_nonce_, payload});
+  const std::uint16_t to = answering_.value;
+  const std::array<std::byte, 5> head{std::byte(sender == Side::dials ? 'd' : 'a'),
+                                      std::byte(number & 0xff), std::byte(number >> 8),
+                                      std::byte(to & 0xff), std::byte(to >> 8)};
+  return secret_->mac({head, *answering_nonce_, dialling, payload});
 }
 
 SharedBytes Handshake::seal(SharedBytes frame) const {
   if (!secret_ || !answering_nonce_ || !dialling_nonce_) return frame;
   const auto inner = decode_frame(*frame);
   AUREOLE_CHECK(inner, "what is sealed is a frame of ours");
-  const wire::Bytes32 mac = as_wire(code_of(side_, inner->type, inner->payload));
+  const wire::Bytes32 mac = as_wire(code_of(side_, *dialling_nonce_, inner->type, inner->payload));
   flatbuffers::FlatBufferBuilder builder(512);
   const auto payload = builder.CreateVector(
       reinterpret_cast<const std::uint8_t*>(inner->payload.data()), inner->payload.size());
@@ -170,14 +173,18 @@ Result<Handshake::Opened> Handshake::open(const FrameView& frame) {
   if (sealed == nullptr || sealed->payload() == nullptr || sealed->mac() == nullptr ||
       (sealed->nonce() != nullptr) != expected_nonce)
     return Error{"a sealed message is not valid"};
-  if (sealed->nonce() != nullptr) dialling_nonce_ = from_wire(*sealed->nonce());
   if (!answering_nonce_) return Error{"a sealed message before the challenge"};
+  const Nonce dialling =
+      sealed->nonce() != nullptr ? from_wire(*sealed->nonce()) : *dialling_nonce_;
   const auto type = static_cast<FrameType>(sealed->type());
   const auto payload =
       std::as_bytes(std::span(sealed->payload()->data(), sealed->payload()->size()));
   const Side other = side_ == Side::dials ? Side::answers : Side::dials;
-  if (!Secret::are_same(code_of(other, type, payload), from_wire(*sealed->mac())))
-    return Error::format("it knows another secret: {}", same_secret);
+  if (!Secret::are_same(code_of(other, dialling, type, payload), from_wire(*sealed->mac())))
+    return Error::format("it knows another secret, or took this server for another one: {}",
+                         same_secret);
+  // Only now: who has not proven anything gets no answer with a code.
+  dialling_nonce_ = dialling;
   return Opened{Frame{type, 0, {payload.begin(), payload.end()}}, true};
 }
 

@@ -38,8 +38,9 @@ class Handshake {
  public:
   enum class Side { dials, answers };
 
+  /// `answering` is who was dialled: what is said to one server proves nothing to another one.
   /// Without a secret nothing is proven, and nothing asked. `secret` is copied.
-  Handshake(Side side, const std::optional<Secret>& secret);
+  Handshake(Side side, PeerId answering, const std::optional<Secret>& secret);
 
   /// The first frame of the side that answers.
   SharedBytes challenge() const;
@@ -56,16 +57,19 @@ class Handshake {
     Frame frame;             ///< Of any type if it came without a seal.
     bool is_proven = false;  ///< Or nothing has to be: there is no secret.
   };
-  /// What came, out of its seal. Refusals may come without one, and are not proven then. An Error
-  /// is a sentence for both sides.
+  /// What came, out of its seal: a hello or a refusal, and a refusal also when both have said
+  /// hello. Refusals may come without a seal, and are not proven then. An Error is a sentence for
+  /// both sides.
   Result<Opened> open(const FrameView& frame);
 
  private:
   using Nonce = std::array<std::byte, 32>;
 
-  Secret::Mac code_of(Side sender, FrameType type, std::span<const std::byte> payload) const;
+  Secret::Mac code_of(Side sender, const Nonce& dialling, FrameType type,
+                      std::span<const std::byte> payload) const;
 
   Side side_;
+  PeerId answering_;
   std::optional<Secret> secret_;
   bool has_heard_challenge_ = false;
   std::optional<Nonce> answering_nonce_, dialling_nonce_;

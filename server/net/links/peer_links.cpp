@@ -13,6 +13,7 @@
 #include "protocol/wire.h"
 #include "server/net/links/handshake.h"
 #include "server/net/links/link.h"
+#include "server/net/links/rare_warning.h"
 
 namespace aureole {
 namespace {
@@ -54,8 +55,12 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
   std::vector<DiallerPtr> diallers;
   std::map<PeerId, Established> peers;
   std::map<PeerId, Incarnation> met;
-  std::map<Link*, std::shared_ptr<Link>> strangers;  ///< In their handshake.
-  bool was_full = false;                             ///< Of strangers, when the last one came.
+  struct Stranger {
+    std::shared_ptr<Link> link;
+    bool is_dialled = false;
+  };
+  std::vector<Stranger> strangers;  ///< In their handshake, in the order in which they came.
+  RareWarning crowded, refusing;
   bool stopped = false;
 
   Impl(boost::asio::io_context& context, PeerLinksOptions o, WorldClock& c, Events e)
@@ -95,15 +100,23 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
         });
         return;
       }
-      const bool is_full = self->strangers.size() >= strangers_max;
-      if (is_full && !self->was_full)
-        spdlog::warn("refuses connections: {} have not said who they are yet", strangers_max);
-      self->was_full = is_full;
-      if (!is_full)
-        self->introduce(std::make_shared<Link>(std::move(socket), self->options.max_queued_bytes),
-                        nullptr);
+      self->make_room();
+      self->introduce(std::make_shared<Link>(std::move(socket), self->options.max_queued_bytes),
+                      nullptr);
       self->accept();
     });
+  }
+
+  /// Who comes takes the place of whoever has been silent for longest: a server says who it is
+  /// within a round trip, and strangers that say nothing keep none of them out.
+  void make_room() {
+    const auto waits = [](const Stranger& s) { return !s.is_dialled; };
+    const auto waiting = std::count_if(strangers.begin(), strangers.end(), waits);
+    if (static_cast<std::size_t>(waiting) < strangers_max) return;
+    crowded.say(fmt::format("{} connections have not said who they are yet; the oldest is closed",
+                            waiting));
+    const auto oldest = std::find_if(strangers.begin(), strangers.end(), waits)->link;
+    oldest->close("it did not introduce itself before many others came");
   }
 
   // ---- Dialling --------------------------------------------------------------------------------
@@ -133,23 +146,28 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
   /// Who was dialled asks for a proof, who dials says who it is, and the other answers once it
   /// knows whom it talks to.
   void introduce(const std::shared_ptr<Link>& link, const DiallerPtr& dialler) {
-    strangers[link.get()] = link;
+    strangers.push_back({link, dialler != nullptr});
     auto timer = std::make_shared<boost::asio::steady_timer>(io);
     timer->expires_after(handshake_time);
     timer->async_wait([self = shared_from_this(), raw = link.get()](const error_code& ec) {
       if (ec) return;
-      if (auto it = self->strangers.find(raw); it != self->strangers.end())
-        std::shared_ptr<Link>(it->second)->close("it did not introduce itself in time");
+      const auto it = std::find_if(self->strangers.begin(), self->strangers.end(),
+                                   [&](const Stranger& s) { return s.link.get() == raw; });
+      if (it != self->strangers.end())
+        std::shared_ptr<Link>(it->link)->close("it did not introduce itself in time");
     });
     auto peer = std::make_shared<std::optional<PeerId>>();
-    const auto handshake = std::make_shared<Handshake>(
-        dialler ? Handshake::Side::dials : Handshake::Side::answers, options.secret);
+    const auto handshake =
+        std::make_shared<Handshake>(dialler ? Handshake::Side::dials : Handshake::Side::answers,
+                                    dialler ? dialler->peer() : options.self, options.secret);
     const std::weak_ptr<Impl> weak = shared_from_this();
     link->start({
         [weak, link = link.get(), dialler, timer, peer,
          handshake](const FrameView& frame) -> Status {
           const auto self = weak.lock();
           if (!self || self->stopped) return Error{"stopping"};
+          if (*peer && frame.type == FrameType::sealed)
+            return self->take_sealed(**peer, *handshake, frame);
           if (*peer) return self->take(**peer, frame);
           if (dialler && !handshake->has_heard_challenge()) {
             self->answer_challenge(link->shared_from_this(), dialler, *handshake, frame);
@@ -171,7 +189,7 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
   /// What is wrong is said to the other side, and the link closed.
   void refuse(const std::shared_ptr<Link>& link, const DiallerPtr& dialler,
               const Handshake& handshake, const Refusal& refusal) {
-    spdlog::warn("refused the server at {}: {}", link->remote(), refusal.reason);
+    refusing.say(fmt::format("refused the server at {}: {}", link->remote(), refusal.reason));
     if (dialler) dialler->note_refused();
     link->close_after(handshake.seal(make_refusal(refusal)), refusal.reason);
   }
@@ -179,8 +197,8 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
   /// Who dials and cannot agree on a secret is as good as refused.
   void refuse_proof(const std::shared_ptr<Link>& link, const DiallerPtr& dialler,
                     const Handshake& handshake, const std::string& why) {
-    if (dialler && events.refused) events.refused(dialler->peer(), {why});
     refuse(link, dialler, handshake, {why});
+    if (dialler && events.refused) events.refused(dialler->peer(), {why, false, true});
   }
 
   void answer_challenge(const std::shared_ptr<Link>& link, const DiallerPtr& dialler,
@@ -228,8 +246,12 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
     establish(peer, link, introduction->hello);
   }
 
+  void forget_stranger(const Link* link) {
+    std::erase_if(strangers, [&](const Stranger& s) { return s.link.get() == link; });
+  }
+
   void establish(PeerId peer, const std::shared_ptr<Link>& link, const PeerHello& hello) {
-    strangers.erase(link.get());
+    forget_stranger(link.get());
     link->allow_payload(max_payload_bytes);
     // A peer that comes again has lost the old link, whatever we think of it.
     if (auto old = peers.find(peer); old != peers.end()) {
@@ -247,7 +269,7 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
 
   void ended(Link* link, std::optional<PeerId> peer, const DiallerPtr& dialler,
              const std::string& reason) {
-    strangers.erase(link);
+    forget_stranger(link);
     if (peer) {
       const auto it = peers.find(*peer);
       if (it != peers.end() && it->second.link.get() == link) {
@@ -267,6 +289,21 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
     const PeerId lowest = peers.begin()->first;
     if (options.self.is_region() && options.self < lowest) return {};
     return lowest;
+  }
+
+  /// Whoever dialled us judges us after we have taken the link for good.
+  Status take_refusal(PeerId peer, const FrameView& frame, bool is_proven) {
+    Refusal refusal = read_refusal(frame);
+    refusal.replaced &= is_proven;
+    if (events.refused) events.refused(peer, refusal);
+    return Error{"it refused us: " + refusal.reason};
+  }
+
+  Status take_sealed(PeerId peer, Handshake& handshake, const FrameView& frame) {
+    const auto opened = handshake.open(frame);
+    if (!opened) return opened.error();
+    if (opened->frame.type != FrameType::refusal) return Error{"a second hello on one link"};
+    return take_refusal(peer, opened->frame, opened->is_proven);
   }
 
   Status take(PeerId peer, const FrameView& frame) {
@@ -305,12 +342,8 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
       }
       case FrameType::hello:
         return Error{"a second hello on one link"};
-      case FrameType::refusal: {
-        // Whoever dialled us judges us after we have taken the link for good.
-        const Refusal refusal = read_refusal(frame);
-        if (events.refused) events.refused(peer, refusal);
-        return Error{"it refused us: " + refusal.reason};
-      }
+      case FrameType::refusal:
+        return take_refusal(peer, frame, !options.secret);
       default:
         return events.frame(peer, frame);
     }
@@ -356,7 +389,7 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
     measure_timer.cancel();
     for (const auto& dialler : diallers) dialler->stop();
     for (const auto& [peer, established] : std::map(peers)) established.link->close("stopping");
-    for (const auto& [raw, link] : std::map(strangers)) link->close("stopping");
+    for (const auto& stranger : std::vector(strangers)) stranger.link->close("stopping");
     peers.clear();
     strangers.clear();
   }

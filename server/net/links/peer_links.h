@@ -33,6 +33,7 @@ struct Refusal {
   /// It knows a newer start of this one: whoever is told so has been replaced. Never told by
   /// somebody who has not proven that it knows the world's secret, if there is one.
   bool replaced = false;
+  bool is_ours = false;  ///< We refused the other one, which we dialled.
 };
 
 struct PeerLinksOptions {

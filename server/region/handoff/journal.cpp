@@ -9,7 +9,6 @@
 namespace aureole {
 
 std::uint64_t Journal::append(FrameType type, Bytes payload) {
-  bytes_ += payload.size();
   entries_.push_back({type, std::move(payload), next_sequence_});
   return next_sequence_++;
 }
@@ -20,7 +19,7 @@ std::size_t Journal::taken_entries() const {
 }
 
 void Journal::drop_oldest() {
-  bytes_ -= entries_.front().payload.size();
+  if (is_taken(entries_.front())) taken_bytes_ -= entries_.front().payload.size();
   entries_.pop_front();
 }
 
@@ -45,9 +44,11 @@ Status Journal::acknowledge(std::uint64_t taken, std::uint64_t durable) {
   if (durable > taken)
     return Error::format("message {} is said to be durable, but only {} to be taken", durable,
                          taken);
+  for (std::size_t n = taken_entries(); n < entries_.size() && entries_[n].sequence <= taken; ++n)
+    taken_bytes_ += entries_[n].payload.size();
   peer_taken_ = std::max(peer_taken_, taken);
   while (!entries_.empty() && entries_.front().sequence <= durable) drop_oldest();
-  for (std::size_t kept = taken_entries(); kept > taken_max || (kept > 0 && bytes_ > bytes_max);
+  for (std::size_t kept = taken_entries(); kept > taken_max || taken_bytes_ > taken_bytes_max;
        --kept) {
     drop_oldest();
     ++let_go_;
@@ -63,6 +64,7 @@ void Journal::link_up(Incarnation peer) {
     for (Entry& entry : entries_) entry.sequence = next_sequence_++;
     highest_sent_ = 0;
     peer_taken_ = 0;
+    taken_bytes_ = 0;
     taken_ = 0;
     durable_ = 0;
     acknowledgement_due_ = false;

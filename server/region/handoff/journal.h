@@ -18,11 +18,10 @@ namespace aureole {
 
 class Journal {
  public:
-  /// Of what the receiver has taken no more is kept than this, messages and bytes of all that is
-  /// kept: it writes its state every 96 ms, so that more means that its disk has failed. The oldest
-  /// is let go then.
+  /// Of what the receiver has taken no more is kept than so many messages and bytes: it writes its
+  /// state every 96 ms, so that more means that its disk has failed. The oldest is let go then.
   static constexpr std::size_t taken_max = 16'384;
-  static constexpr std::size_t bytes_max = 64u << 20;
+  static constexpr std::size_t taken_bytes_max = 32u << 20;
 
   struct Entry {
     FrameType type{};
@@ -80,7 +79,7 @@ class Journal {
   void drop_oldest();
 
   std::deque<Entry> entries_;
-  std::size_t bytes_ = 0;  ///< Of their payloads.
+  std::size_t taken_bytes_ = 0;  ///< Of the payloads of those that are taken.
   std::uint64_t let_go_ = 0;
   std::uint64_t next_sequence_ = 1;
   std::uint64_t sent_ = 0;          ///< Highest sequence sent over the present link.

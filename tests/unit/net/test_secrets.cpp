@@ -1,9 +1,11 @@
 // Who does not know a world's secret is none of its servers, whatever it has listened to.
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
 #include "protocol/wire.h"
 #include "server/net/links/handshake.h"
+#include "server/net/links/rare_warning.h"
 #include "tests/unit/net/linked_server.h"
 
 using namespace aureole;
@@ -38,7 +40,8 @@ struct Pair {
   Handshake dials, answers;
   explicit Pair(std::optional<Secret> of_who_dials = secret(),
                 std::optional<Secret> of_who_answers = secret())
-      : dials(Side::dials, of_who_dials), answers(Side::answers, of_who_answers) {
+      : dials(Side::dials, PeerId{0}, of_who_dials),
+        answers(Side::answers, PeerId{0}, of_who_answers) {
     const auto challenge = answers.challenge();
     REQUIRE(dials.hear_challenge(*decode_frame(*challenge)));
   }
@@ -144,7 +147,7 @@ TEST_CASE("a proof that somebody has listened to is worth nothing on another con
   boost::asio::io_context io;
   Server a(io, PeerId{0}, {.secret = secret()});
   Stranger honest(io, a.port);
-  Handshake handshake(Side::dials, secret());
+  Handshake handshake(Side::dials, PeerId{0}, secret());
   REQUIRE(handshake.hear_challenge(honest.hear(0)));
   const SharedBytes hello = handshake.seal(make_hello(region(1), {}, false));
   honest.say(hello);
@@ -159,6 +162,79 @@ TEST_CASE("a proof that somebody has listened to is worth nothing on another con
   CHECK(a.links->is_linked(PeerId{1}));
 }
 
+TEST_CASE("a proof to one server proves nothing to another one") {
+  boost::asio::io_context io;
+  Server b(io, PeerId{1}, {.secret = secret()});
+  // Somebody has taken the address of region 0, which region 2 dials, and passes words on.
+  Stranger thief(io, b.port);
+  Handshake honest(Side::dials, PeerId{0}, secret());
+  REQUIRE(honest.hear_challenge(thief.hear(0)));
+  thief.say(honest.seal(make_hello(region(2), {}, false)));
+  REQUIRE(run_until(io, [&] { return thief.closed; }));
+  CHECK(b.up.empty());
+  // What it is told is no proof of anything either, and nothing to try secrets on.
+  REQUIRE(thief.heard.size() == 2);
+  CHECK(thief.heard[1].type == FrameType::refusal);
+}
+
+TEST_CASE("on a link, too, only who proves it says that a server has been replaced") {
+  boost::asio::io_context io;
+  Server a(io, PeerId{0}, {.secret = secret()});
+  for (const bool proven : {false, true}) {
+    Stranger peer(io, a.port);
+    Handshake handshake(Side::dials, PeerId{0}, secret());
+    REQUIRE(handshake.hear_challenge(peer.hear(0)));
+    peer.say(handshake.seal(make_hello(region(1), {}, false)));
+    peer.hear(1);
+    const SharedBytes refusal = make_refusal({"go away", true});
+    a.refusals.clear();
+    peer.say(proven ? handshake.seal(refusal) : refusal);
+    REQUIRE(run_until(io, [&] { return !a.refusals.empty(); }));
+    CHECK(a.refusals[0].replaced == proven);
+  }
+}
+
+TEST_CASE("a server that is dialled is told that it has been replaced, with a secret and without") {
+  const bool with_secret = GENERATE(true, false);
+  boost::asio::io_context io;
+  const std::optional<Secret> some = with_secret ? std::optional(secret()) : std::nullopt;
+  auto newer =
+      std::make_unique<Server>(io, PeerId{0}, Server::Options{.incarnation = 2, .secret = some});
+  const auto port = newer->port;
+  Server b(io, PeerId{1}, {.dial = {at(PeerId{0}, port)}, .secret = some});
+  REQUIRE(run_until(io, [&] { return b.up.size() == 1; }));
+  newer.reset();
+  REQUIRE(run_until(io, [&] { return b.down.size() == 1; }));
+  Server older(io, PeerId{0}, {.incarnation = 1, .port = port, .secret = some});
+  REQUIRE(run_until(io, [&] { return !older.refusals.empty(); }));
+  CHECK(older.refusals[0].replaced);
+  CHECK(older.refusals[0].reason.find("a newer start of region r0 is known") != std::string::npos);
+}
+
+TEST_CASE("strangers that say nothing, however many, keep no server out") {
+  boost::asio::io_context io;
+  Server a(io, PeerId{0}, {.secret = secret()});
+  std::vector<std::unique_ptr<Stranger>> crowd;
+  for (int n = 0; n < 300; ++n) crowd.push_back(std::make_unique<Stranger>(io, a.port));
+  const auto closed = [&] {
+    return std::count_if(crowd.begin(), crowd.end(), [](const auto& s) { return s->closed; });
+  };
+  REQUIRE(run_until(io, [&] { return closed() >= 44; }));
+  CHECK(closed() == 44);
+  CHECK(crowd.front()->closed);
+  CHECK_FALSE(crowd.back()->closed);
+  Server b(io, PeerId{1}, {.dial = {at(PeerId{0}, a.port)}, .secret = secret()});
+  REQUIRE(run_until(io, [&] { return !b.up.empty() && !a.up.empty(); }));
+}
+
+TEST_CASE("warnings that strangers cause are a few a second, and say how many were left out") {
+  RareWarning warning;
+  for (int n = 0; n < RareWarning::per_second; ++n) CHECK(warning.line_at(1'000, "no") == "no");
+  for (int n = 0; n < 7; ++n) CHECK(warning.line_at(900'000, "no").empty());
+  CHECK(warning.line_at(1'001'000, "no") == "no (7 more such before that)");
+  CHECK(warning.line_at(1'002'000, "no") == "no");
+}
+
 TEST_CASE("only who has proven that it knows the secret says that a server has been replaced") {
   const bool proven = GENERATE(true, false);
   boost::asio::io_context io;
@@ -170,7 +246,7 @@ TEST_CASE("only who has proven that it knows the secret says that a server has b
   Server b(io, PeerId{1},
            {.dial = {at(PeerId{0}, acceptor.local_endpoint().port())}, .secret = secret()});
   REQUIRE(run_until(io, [&] { return stranger != nullptr; }));
-  Handshake handshake(Side::answers, secret());
+  Handshake handshake(Side::answers, PeerId{0}, secret());
   stranger->say(handshake.challenge());
   REQUIRE(handshake.open(stranger->hear(0)));
   const SharedBytes refusal = make_refusal({"go away", true});
@@ -224,14 +300,14 @@ TEST_CASE("a proof is of one side, and cannot be sent back to it") {
   REQUIRE_FALSE(reflected);
   const auto own = open(pair.dials, pair.dials.seal(hello));
   REQUIRE_FALSE(own);
-  Handshake impostor(Side::dials, secret());
+  Handshake impostor(Side::dials, PeerId{0}, secret());
   REQUIRE(impostor.hear_challenge(*decode_frame(*pair.answers.challenge())));
   Pair other;
   CHECK_FALSE(open(other.answers, impostor.seal(hello)));
 }
 
 TEST_CASE("a challenge of another version, no challenge, and seals out of place are refused") {
-  Handshake dials(Side::dials, secret());
+  Handshake dials(Side::dials, PeerId{0}, secret());
   flatbuffers::FlatBufferBuilder builder;
   const Bytes other = finish_frame(builder, wire::CreateChallenge(builder, protocol_version + 1),
                                    FrameType::challenge);
@@ -244,7 +320,7 @@ TEST_CASE("a challenge of another version, no challenge, and seals out of place 
   CHECK_FALSE(dials.has_heard_challenge());
 
   Pair pair;
-  Handshake open_side(Side::answers, std::nullopt);
+  Handshake open_side(Side::answers, PeerId{0}, std::nullopt);
   const auto unwanted = open(open_side, pair.dials.seal(make_hello(region(1), {}, false)));
   REQUIRE_FALSE(unwanted);
   CHECK(says(unwanted.error(), "this server has none"));

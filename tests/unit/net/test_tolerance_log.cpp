@@ -24,6 +24,8 @@ TEST_CASE("a line names the tolerance, the tick, the peer, the value and the lim
   REQUIRE(
       log.line({Kind::link, false, Tick{9}, RegionId{2}, {}, 1, 2}) ==
       "back inside its tolerance at tick 9, link: the newest word of r2 is 1 ticks old; at most 2");
+  REQUIRE(log.line({Kind::link, true, Tick{9}, RegionId{2}, {}, 1, 2}) ==
+          "outside its tolerance at tick 9, link: r2 is lost");
 }
 
 TEST_CASE("each kind and peer has one line a second, and says how many were left out") {

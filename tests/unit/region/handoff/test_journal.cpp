@@ -175,17 +175,23 @@ TEST_CASE("the bytes of what is taken and not durable are bounded, too") {
   // All of them wait for being taken, however many.
   CHECK(journal.unacknowledged().size() == 10);
   REQUIRE(journal.acknowledge(1, 0));
-  CHECK(journal.unacknowledged().size() == 9);
+  CHECK(journal.unacknowledged().size() == 10);
   REQUIRE(journal.acknowledge(10, 0));
-  CHECK(journal.unacknowledged().size() == Journal::bytes_max / large);
-  CHECK(journal.let_go() == 2);
+  CHECK(journal.unacknowledged().size() == Journal::taken_bytes_max / large);
+  CHECK(journal.let_go() == 6);
   // Time and again.
   for (int n = 0; n < 3; ++n) {
     journal.append(FrameType::handoff, Bytes(large));
     journal.take_unsent();
     REQUIRE(journal.acknowledge(11 + static_cast<std::uint64_t>(n), 0));
-    CHECK(journal.unacknowledged().size() == Journal::bytes_max / large);
+    CHECK(journal.unacknowledged().size() == Journal::taken_bytes_max / large);
   }
-  REQUIRE(journal.acknowledge(13, 13));
+  // A receiver that starts anew has taken nothing: what is left is sent again, and kept.
+  journal.link_up(Incarnation{8});
+  CHECK(journal.take_unsent().size() == Journal::taken_bytes_max / large);
+  REQUIRE(journal.acknowledge(4, 0));
+  CHECK(journal.unacknowledged().size() == 4);
+  REQUIRE(journal.acknowledge(4, 4));
   CHECK(journal.unacknowledged().empty());
+  CHECK(journal.let_go() == 9);
 }
