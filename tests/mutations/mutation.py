@@ -20,4 +20,5 @@ class Mutation:
 
 REGION = "test_region"
 AURA = "test_aura"
+NET = "test_net"
 PHYSICS = "physics_test"

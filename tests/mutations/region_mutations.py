@@ -95,8 +95,8 @@ MUTATIONS = [
         "durable-acknowledgement",
         "the sender forgets a group as soon as it is taken, before it is durable",
         "server/region/handoff/journal.cpp",
-        "entries_.front().sequence <= durable) entries_.pop_front();",
-        "entries_.front().sequence <= taken) entries_.pop_front();",
+        "entries_.front().sequence <= durable) drop_oldest();",
+        "entries_.front().sequence <= taken) drop_oldest();",
         ((REGION, "a group that was acknowledged an instant before the crash is sent again"),),
     ),
     Mutation(
