@@ -51,6 +51,18 @@ Result<Handshake::Opened> open(Handshake& by, const SharedBytes& frame) {
   return by.open(*decode_frame(*frame));
 }
 
+/// The seal of the one with the nonce of the other; null: without any.
+SharedBytes with_nonce_of(const SharedBytes& sealed, const SharedBytes& other) {
+  const auto* one = verified<wire::Sealed>(decode_frame(*sealed)->payload);
+  const auto* nonce =
+      other ? verified<wire::Sealed>(decode_frame(*other)->payload)->nonce() : nullptr;
+  flatbuffers::FlatBufferBuilder builder;
+  const auto payload = builder.CreateVector(one->payload()->data(), one->payload()->size());
+  return std::make_shared<const Bytes>(
+      finish_frame(builder, wire::CreateSealed(builder, nonce, one->type(), payload, one->mac()),
+                   FrameType::sealed));
+}
+
 bool says(const Error& error, const std::string& words) {
   return error.message.find(words) != std::string::npos;
 }
@@ -300,6 +312,16 @@ TEST_CASE("a proof is of one side, and cannot be sent back to it") {
   REQUIRE_FALSE(reflected);
   const auto own = open(pair.dials, pair.dials.seal(hello));
   REQUIRE_FALSE(own);
+  // Nor as if they were the other side's.
+  const SharedBytes from_answering = pair.answers.seal(hello),
+                    from_dialling = pair.dials.seal(hello);
+  const auto back = open(pair.answers, with_nonce_of(from_answering, from_dialling));
+  REQUIRE_FALSE(back);
+  CHECK(says(back.error(), "it knows another secret"));
+  const auto home = open(pair.dials, with_nonce_of(from_dialling, nullptr));
+  REQUIRE_FALSE(home);
+  CHECK(says(home.error(), "it knows another secret"));
+  REQUIRE(open(pair.dials, from_answering));
   Handshake impostor(Side::dials, PeerId{0}, secret());
   REQUIRE(impostor.hear_challenge(*decode_frame(*pair.answers.challenge())));
   Pair other;
