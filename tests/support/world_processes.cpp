@@ -189,6 +189,16 @@ void Watcher::command(RegionId to, const PlayerCommand& command) {
 std::filesystem::path temporary_file(const std::string& name, const std::string& text) {
   std::string folder = (std::filesystem::temp_directory_path() / "aureole-test-XXXXXX").string();
   if (mkdtemp(folder.data()) == nullptr) throw std::runtime_error("cannot make a temporary folder");
+  // They go with the test's process.
+  struct Folders {
+    std::vector<std::filesystem::path> all;
+    ~Folders() {
+      std::error_code ignored;
+      for (const auto& each : all) std::filesystem::remove_all(each, ignored);
+    }
+  };
+  static Folders folders;
+  folders.all.emplace_back(folder);
   const auto path = std::filesystem::path(folder) / name;
   std::ofstream(path) << text;
   return path;

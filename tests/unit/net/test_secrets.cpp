@@ -27,13 +27,13 @@ PeerLinksOptions region(std::uint16_t number, std::uint64_t incarnation = 1) {
   return self;
 }
 
-/// A file with this text, in the system's temporary folder.
-std::filesystem::path file_with(const std::string& text) {
-  const auto path = std::filesystem::temp_directory_path() /
-                    fmt::format("aureole-secret-{}-{}", getpid(), text.size());
-  std::ofstream(path, std::ios::binary) << text;
-  return path;
-}
+/// A file with a text, in the system's temporary folder, for as long as the object lives.
+struct TemporaryFile {
+  std::filesystem::path path =
+      std::filesystem::temp_directory_path() / fmt::format("aureole-secret-{}", getpid());
+  explicit TemporaryFile(const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
+  ~TemporaryFile() { std::filesystem::remove(path); }
+};
 
 /// Both sides' handshakes, the challenge heard.
 struct Pair {
@@ -350,7 +350,8 @@ TEST_CASE("a challenge of another version, no challenge, and seals out of place 
 
 TEST_CASE("a secret is the text of a file, whatever its line ends") {
   const auto key = [](const std::string& text) {
-    const auto read = Secret::read(file_with(text));
+    const TemporaryFile file(text);
+    const auto read = Secret::read(file.path);
     REQUIRE(read);
     return read->mac({});
   };
@@ -364,8 +365,9 @@ TEST_CASE("a secret is the text of a file, whatever its line ends") {
     const auto read = Secret::read(file);
     return !read && says(read.error(), words) && says(read.error(), file.string());
   };
-  CHECK(refused(file_with("too short\n"), "a secret of 9 characters; expected 16 to 4096"));
-  CHECK(refused(file_with(std::string(5000, 'x')), "expected 16 to 4096"));
+  CHECK(
+      refused(TemporaryFile("too short\n").path, "a secret of 9 characters; expected 16 to 4096"));
+  CHECK(refused(TemporaryFile(std::string(5000, 'x')).path, "expected 16 to 4096"));
   CHECK(refused("/nowhere/secret", "cannot read"));
   CHECK(refused(std::filesystem::temp_directory_path(), "cannot read"));
 }
