@@ -137,9 +137,15 @@ export async function picture_pixels(page) {
   });
 }
 
-/** How wide the gateway makes pictures now: less where it or the line is busy. */
-export function picture_width(page) {
-  return page.evaluate(() => document.getElementById("picture").width);
+/**
+ * How wide and how good the gateway makes pictures now, such as "1280 at 75": less where it or the
+ * line is busy. Pictures of two kinds cannot be compared.
+ */
+export function picture_kind(page) {
+  return page.evaluate(() => {
+    const quality = window.aureole.status?.quality;
+    return `${document.getElementById("picture").width} at ${Math.round(quality ?? 0)}`;
+  });
 }
 
 /** Mean absolute difference of two pictures, 0 … 255. */
