@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "server/base/check.h"
-#include "server/net/links/handshake.h"
 #include "server/replica/recovery_answer.h"
 #include "server/worlds/region_tiling.h"
 

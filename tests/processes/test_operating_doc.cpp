@@ -5,9 +5,11 @@
 
 #include "server/ops/ports.h"
 #include "tests/processes/running.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace aureole;
 using aureole::test::Running;
+using aureole::testing::TemporaryFolder;
 namespace fs = std::filesystem;
 
 namespace {
@@ -41,30 +43,19 @@ std::string with_free_ports(std::string text) {
   return text;
 }
 
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string pattern = (fs::temp_directory_path() / "aureole-doc-XXXXXX").string();
-    REQUIRE(mkdtemp(pattern.data()) != nullptr);
-    path = pattern;
-  }
-  ~TemporaryFolder() { fs::remove_all(path); }
-  fs::path path;
-};
-
 }  // namespace
 
 TEST_CASE("the five commands of the operating page make a world in which every region is up") {
   const TemporaryFolder checkout;
-  fs::create_directories(checkout.path / "build/release");
+  fs::create_directories(checkout.path() / "build/release");
   fs::create_directory_symlink(fs::path(AUREOLE_BINARY).parent_path(),
-                               checkout.path / "build/release/server");
+                               checkout.path() / "build/release/server");
   const std::string commands =
       with_free_ports(commands_of(std::string(SOURCE_FOLDER) + "/docs/operating.md"));
   // On a busy machine three seconds may be too short: the page's last line is repeated here.
   const std::string last_line = commands.substr(commands.rfind('\n', commands.size() - 2) + 1);
   REQUIRE(last_line.rfind("$aureole status", 0) == 0);
-  const std::string script = "cd " + checkout.path.string() + "\n" + commands +
+  const std::string script = "cd " + checkout.path().string() + "\n" + commands +
                              "for i in $(seq 60); do\n  sleep 0.5\n" + last_line +
                              "  test $? = 0 && break\ndone\necho all up: $?\n" +
                              "test $(jobs -p | wc -l) = 5 && kill $(jobs -p)\nwait\necho stopped\n";

@@ -9,6 +9,7 @@
 #include "server/ops/snapshot_file.h"
 #include "server/worlds/world_file.h"
 #include "tests/processes/running.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace aureole;
 using aureole::test::is_gone;
@@ -183,19 +184,19 @@ TEST_CASE("a world that is stopped and started with the same folder goes on wher
 }
 
 TEST_CASE("a state on the disk that is of no tick counts as none, and the region says so") {
-  std::string pattern = (fs::temp_directory_path() / "aureole-state-XXXXXX").string();
-  REQUIRE(mkdtemp(pattern.data()) != nullptr);
+  const aureole::testing::TemporaryFolder folder;
   const auto world = load_world("columns-4", {1, {}});
   REQUIRE(world);
   const std::int64_t tick = GENERATE(std::int64_t{-5}, std::int64_t{1} << 50);
   {
-    const auto state = SnapshotFile::open(pattern, {world->hash, RegionId{0}});
+    const auto state = SnapshotFile::open(folder.path(), {world->hash, RegionId{0}});
     REQUIRE(state);
     const std::vector<std::byte> bytes(64);
     REQUIRE((*state)->write(bytes, Incarnation{1}, Tick{tick}));
   }
-  Running region(AUREOLE_BINARY, {"region", "--world", "columns-4", "--regions", "1", "--region",
-                                  "0", "--listen", "127.0.0.1:0", "--state", pattern});
+  Running region(AUREOLE_BINARY,
+                 {"region", "--world", "columns-4", "--regions", "1", "--region", "0", "--listen",
+                  "127.0.0.1:0", "--state", folder.path().string()});
   region.wait_for_line("the state on the disk counts as none: it is of tick " +
                        std::to_string(tick));
   // It begins anew, at the beginning of time.
@@ -203,5 +204,4 @@ TEST_CASE("a state on the disk that is of no tick counts as none, and the region
   CHECK(std::stoll(runs.substr(runs.rfind("tick ") + 5)) < 100'000);
   region.signal(SIGTERM);
   CHECK(region.wait_for_end() == "exit code 0");
-  fs::remove_all(pattern);
 }

@@ -1,35 +1,23 @@
 // A world whose servers share a secret, and those who come with another one or with none.
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 
 #include "server/ops/ports.h"
 #include "tests/processes/running.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace aureole;
 using aureole::test::Running;
-namespace fs = std::filesystem;
+using aureole::testing::TemporaryFolder;
 
 namespace {
 
-class Folder {
- public:
-  Folder() {
-    std::string pattern = (fs::temp_directory_path() / "aureole-secrets-XXXXXX").string();
-    REQUIRE(mkdtemp(pattern.data()) != nullptr);
-    path_ = pattern;
-  }
-  ~Folder() { fs::remove_all(path_); }
-
-  std::string file(const std::string& name, const std::string& text) const {
-    std::ofstream(path_ / name) << text << '\n';
-    return (path_ / name).string();
-  }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
+/// The path of a new file of a folder.
+std::string written(const TemporaryFolder& folder, const std::string& name,
+                    const std::string& text) {
+  std::ofstream(folder.file(name)) << text << '\n';
+  return folder.file(name);
+}
 
 struct Ports {
   std::uint16_t r0, r1;
@@ -65,9 +53,9 @@ Running gateway(Ports ports, std::vector<std::string> more) {
 }  // namespace
 
 TEST_CASE("servers with the same secret make a world, and nobody with another one takes a place") {
-  const Folder folder;
-  const std::string secret = folder.file("secret", "correct horse battery staple");
-  const std::string other = folder.file("other", "another horse battery staple");
+  const TemporaryFolder folder;
+  const std::string secret = written(folder, "secret", "correct horse battery staple");
+  const std::string other = written(folder, "other", "another horse battery staple");
   const auto free = free_loopback_ports(3, static_cast<std::uint32_t>(getpid()) * 31u);
   REQUIRE(free);
   const Ports ports{(*free)[0], (*free)[1]};
@@ -105,12 +93,12 @@ TEST_CASE("servers with the same secret make a world, and nobody with another on
 }
 
 TEST_CASE("a secret that is no secret ends a server before it listens, with exit code 2") {
-  const Folder folder;
+  const TemporaryFolder folder;
   const Ports ports{1, 2};  // Nobody comes so far.
-  Running missing = region(0, ports, {"--secret", (folder.path() / "nowhere").string()});
+  Running missing = region(0, ports, {"--secret", folder.file("nowhere")});
   CHECK(missing.wait_for_end() == "exit code 2");
   CHECK(missing.line_with("--secret: cannot read"));
-  Running poor = gateway(ports, {"--secret", folder.file("short", "1234")});
+  Running poor = gateway(ports, {"--secret", written(folder, "short", "1234")});
   CHECK(poor.wait_for_end() == "exit code 2");
   CHECK(poor.line_with("a secret of 4 characters; expected 16 to 4096"));
   // What a variable that is not set leaves behind.

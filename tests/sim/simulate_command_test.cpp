@@ -1,35 +1,19 @@
 // `aureole simulate` as an executable: its exit codes, its report, and that the line that it prints
 // on a failure replays it.
-#include <stdlib.h>
-
-#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "tests/processes/running.h"
 #include "tests/support/catch.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace aureole;
 using aureole::test::Running;
+using aureole::testing::TemporaryFolder;
 namespace fs = std::filesystem;
 
 namespace {
-
-/// A folder of the test's own, gone with it.
-class Folder {
- public:
-  Folder() {
-    std::string pattern = (fs::temp_directory_path() / "aureole-simulate-XXXXXX").string();
-    REQUIRE(mkdtemp(pattern.data()) != nullptr);
-    path_ = pattern;
-  }
-  ~Folder() { fs::remove_all(path_); }
-  std::string file(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  fs::path path_;
-};
 
 std::vector<std::string> words_of(const std::string& line) {
   std::istringstream in(line);
@@ -63,7 +47,7 @@ std::vector<std::string> broken_rules(const Running& run) {
 }  // namespace
 
 TEST_CASE("seeds that hold every rule end with exit code 0 and a report with all totals by name") {
-  const Folder folder;
+  const TemporaryFolder folder;
   const std::string report = folder.file("report.json");
   Running run = simulate(small + ("--seeds 2 --latency-ms 2 --json " + report));
   const std::string end = run.wait_for_end(120);
@@ -89,7 +73,7 @@ TEST_CASE("seeds that hold every rule end with exit code 0 and a report with all
 
 TEST_CASE(
     "a seed that breaks a rule ends with exit code 1, and its replay fails at the same tick") {
-  const Folder folder;
+  const TemporaryFolder folder;
   const std::string report = folder.file("report.json");
   Running run = simulate(
       std::string(small) +
@@ -121,7 +105,7 @@ TEST_CASE(
 }
 
 TEST_CASE("messages of two ticks are judged like any others where the tolerance allows for them") {
-  const Folder folder;
+  const TemporaryFolder folder;
   for (const bool allowed : {false, true}) {
     const std::string report = folder.file("report.json");
     Running run = simulate(small + ("--seeds 1 --latency-ms 13 --no-compare-single --json " +
@@ -136,7 +120,7 @@ TEST_CASE("messages of two ticks are judged like any others where the tolerance 
 }
 
 TEST_CASE("a world file can be simulated, also one into which bodies pour until the end") {
-  const Folder folder;
+  const TemporaryFolder folder;
   for (const double duration_s : {3.0, 300.0}) {
     const std::string path = folder.file("two halves.json");
     std::ofstream(path) << nlohmann::json::parse(R"({
@@ -163,7 +147,7 @@ TEST_CASE("a world file can be simulated, also one into which bodies pour until 
 }
 
 TEST_CASE("bad options and files of simulate get a sentence and the usage exit code") {
-  const Folder folder;
+  const TemporaryFolder folder;
   const std::string broken = folder.file("broken.json");
   std::ofstream(broken) << "{\"name\": \"half a wor";
   struct Case {

@@ -6,6 +6,7 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <deque>
 #include <fstream>
 #include <stdexcept>
 #include <thread>
@@ -14,6 +15,7 @@
 #include "server/ops/http_get.h"
 #include "server/ops/ports.h"
 #include "server/region/handoff/handoff.h"
+#include "tests/support/temporary_folder.h"
 
 namespace aureole::testing {
 namespace {
@@ -187,19 +189,8 @@ void Watcher::command(RegionId to, const PlayerCommand& command) {
 }
 
 std::filesystem::path temporary_file(const std::string& name, const std::string& text) {
-  std::string folder = (std::filesystem::temp_directory_path() / "aureole-test-XXXXXX").string();
-  if (mkdtemp(folder.data()) == nullptr) throw std::runtime_error("cannot make a temporary folder");
-  // They go with the test's process.
-  struct Folders {
-    std::vector<std::filesystem::path> all;
-    ~Folders() {
-      std::error_code ignored;
-      for (const auto& each : all) std::filesystem::remove_all(each, ignored);
-    }
-  };
-  static Folders folders;
-  folders.all.emplace_back(folder);
-  const auto path = std::filesystem::path(folder) / name;
+  static std::deque<TemporaryFolder> folders;  // They go with the test's process.
+  const auto path = folders.emplace_back().path() / name;
   std::ofstream(path) << text;
   return path;
 }
