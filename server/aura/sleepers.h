@@ -32,6 +32,10 @@ class Sleepers {
   /// From now on the region ends there. One pass over all who are here.
   void move_home(const Rectangle& home);
 
+  /// Before somebody is put here: has the memory that it will take come nearer.
+  void expect_one() const {
+    if (!free_.empty()) prefetch(&sleepers_[free_.back()], sizeof(Sleeper));
+  }
   /// One that is here already is put where it lies now. Its own aura is resting_aura().
   void put(const HostedBody& body);
   /// False: it is not here.

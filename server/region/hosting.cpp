@@ -2,6 +2,7 @@
 #include "server/region/hosting.h"
 
 #include <algorithm>
+#include <boost/container/small_vector.hpp>
 #include <limits>
 #include <map>
 #include <set>
@@ -10,8 +11,8 @@
 #include "server/base/check.h"
 #include "server/base/hash.h"
 #include "server/base/leap.h"
-#include "server/base/merge_in.h"
 #include "server/base/prefetch.h"
+#include "server/base/replace_in.h"
 
 namespace aureole {
 namespace {
@@ -76,19 +77,17 @@ void Hosting::bring_in_order() {
   std::sort(out_of_order_.begin(), out_of_order_.end());
   const auto last = std::unique(out_of_order_.begin(), out_of_order_.end());
   out_of_order_.erase(last, out_of_order_.end());
-  // Few have changed among many: what lies between two of them moves as one block.
-  auto from = in_order_.begin(), to = from;
+  boost::container::small_vector<std::size_t, 32> gone;
+  boost::container::small_vector<Entry, 32> fresh;
+  auto known = in_order_.begin();
   for (const BodyId id : out_of_order_) {
-    const auto at = std::lower_bound(from, in_order_.end(), id, is_before);
-    to = from == to ? at : std::move(from, at, to);
-    from = at != in_order_.end() && at->id == id ? at + 1 : at;
+    known = std::lower_bound(known, in_order_.end(), id, is_before);
+    if (known != in_order_.end() && known->id == id)
+      gone.push_back(static_cast<std::size_t>(known - in_order_.begin()));
+    if (const auto at = records_.find(id); at != records_.end()) fresh.push_back({id, &at->second});
   }
-  in_order_.erase(std::move(from, in_order_.end(), to), in_order_.end());
-  const auto middle = static_cast<std::ptrdiff_t>(in_order_.size());
-  for (BodyId id : out_of_order_)
-    if (const auto at = records_.find(id); at != records_.end())
-      in_order_.push_back({id, &at->second});
-  merge_in(in_order_, middle, [](const Entry& a, const Entry& b) { return a.id < b.id; });
+  replace_in<Entry>(in_order_, {gone.data(), gone.size()}, {fresh.data(), fresh.size()},
+                    [](const Entry& a, const Entry& b) { return a.id < b.id; });
   changed_.swap(out_of_order_);
 }
 

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "server/base/check.h"
-#include "server/base/merge_in.h"
+#include "server/base/replace_in.h"
 
 namespace aureole {
 namespace {
@@ -37,12 +37,17 @@ void BoxRows::erase(Number number, const AuraBox& box) {
   };
   const RoughBox rough = RoughBox::around(box);
   const Entry key{row_of(rough.low[2]), number, rough};
-  const auto at = std::lower_bound(entries_.begin(), entries_.end(), key, IsBefore{});
-  if (at != entries_.end() && is_it(*at)) {
-    // It keeps its place in the order until the next settle().
-    at->box.low[2] = erased;
-    erased_.push_back(static_cast<std::size_t>(at - entries_.begin()));
-    return;
+  const std::int32_t row = key.row - first_row_;
+  if (row >= 0 && row + 1 < static_cast<std::int32_t>(rows_.size())) {
+    const auto begin = entries_.begin() + rows_[static_cast<std::size_t>(row)].begin;
+    const auto end = entries_.begin() + rows_[static_cast<std::size_t>(row) + 1].begin;
+    const auto at = std::lower_bound(begin, end, key, IsBefore{});
+    if (at != end && is_it(*at)) {
+      // It keeps its place in the order until the next settle().
+      at->box.low[2] = erased;
+      erased_.push_back(static_cast<std::size_t>(at - entries_.begin()));
+      return;
+    }
   }
   const auto gone = std::erase_if(fresh_, is_it) + std::erase_if(large_, is_it);
   AUREOLE_CHECK(gone == 1, "only boxes that are here are erased");
@@ -50,67 +55,41 @@ void BoxRows::erase(Number number, const AuraBox& box) {
 
 void BoxRows::settle() {
   if (fresh_.empty() && erased_.empty()) return;
-  changed_rows_.clear();
-  drop_erased();
-  take_in_fresh();
-  renew_rows();
-}
-
-/// What lies between two of them moves down as one block.
-void BoxRows::drop_erased() {
-  if (erased_.empty()) return;
   std::sort(erased_.begin(), erased_.end());
-  auto to = entries_.begin() + static_cast<std::ptrdiff_t>(erased_.front());
-  for (std::size_t n = 0; n < erased_.size(); ++n) {
-    const auto gone = entries_.begin() + static_cast<std::ptrdiff_t>(erased_[n]);
-    const auto end = n + 1 < erased_.size()
-                         ? entries_.begin() + static_cast<std::ptrdiff_t>(erased_[n + 1])
-                         : entries_.end();
-    changed_rows_.push_back(gone->row);
-    to = std::move(gone + 1, end, to);
-  }
-  entries_.erase(to, entries_.end());
-  erased_.clear();
-}
-
-void BoxRows::take_in_fresh() {
-  if (fresh_.empty()) return;
   std::sort(fresh_.begin(), fresh_.end(), IsBefore{});
-  for (const Entry& entry : fresh_) changed_rows_.push_back(entry.row);
-  const auto middle = static_cast<std::ptrdiff_t>(entries_.size());
-  entries_.insert(entries_.end(), fresh_.begin(), fresh_.end());
-  merge_in(entries_, middle, IsBefore{});
+  changes_.clear();
+  for (const std::size_t place : erased_) changes_.push_back({entries_[place].row, -1});
+  for (const Entry& entry : fresh_) changes_.push_back({entry.row, 1});
+  replace_in<Entry>(entries_, erased_, fresh_, IsBefore{});
+  erased_.clear();
   fresh_.clear();
+  renew_rows();
 }
 
 /// Few come and go at a time: only their rows are gone through again.
 void BoxRows::renew_rows() {
-  const auto is_outside = [&](std::int32_t row) {
-    return row < first_row_ || row - first_row_ + 1 >= static_cast<std::int32_t>(rows_.size());
-  };
-  if (changed_rows_.size() > rows_.size() / 4 ||
-      std::any_of(changed_rows_.begin(), changed_rows_.end(), is_outside)) {
+  std::sort(changes_.begin(), changes_.end(),
+            [](const Change& a, const Change& b) { return a.row < b.row; });
+  const auto rows = static_cast<std::int32_t>(rows_.size());
+  if (changes_.front().row < first_row_ || changes_.back().row - first_row_ + 1 >= rows) {
     count_rows();
     return;
   }
-  std::sort(changed_rows_.begin(), changed_rows_.end());
-  changed_rows_.erase(std::unique(changed_rows_.begin(), changed_rows_.end()), changed_rows_.end());
-  for (const std::int32_t number : changed_rows_) {
-    const auto at = static_cast<std::size_t>(number - first_row_);
-    std::uint32_t end = rows_[at].begin;
-    while (end < entries_.size() && entries_[end].row == number) ++end;
-    renew_row(at, end);
-    // Unsigned: what is taken from each wraps around as it should.
-    const std::uint32_t more = end - rows_[at + 1].begin;
-    if (more == 0) continue;
-    for (std::size_t behind = at + 1; behind < rows_.size(); ++behind) rows_[behind].begin += more;
+  std::int32_t more = 0;  // Have come than have gone so far.
+  auto change = changes_.begin();
+  for (std::int32_t row = change->row - first_row_; row < rows; ++row) {
+    const auto at = static_cast<std::size_t>(row);
+    rows_[at].begin += static_cast<std::uint32_t>(more);  // Wraps around as it should.
+    if (change == changes_.end() || change->row - first_row_ != row) continue;
+    for (; change != changes_.end() && change->row - first_row_ == row; ++change)
+      more += change->by;
+    renew_row(at, rows_[at + 1].begin + static_cast<std::uint32_t>(more));
   }
   // Rows that nobody is left in are left out at the ends.
-  if (rows_.front().extent.is_empty() || rows_[rows_.size() - 2].extent.is_empty()) {
+  if (rows_.front().extent.is_empty() || rows_[rows_.size() - 2].extent.is_empty())
     count_rows();
-    return;
-  }
-  sum_up_rows();
+  else
+    sum_up_rows();
 }
 
 void BoxRows::sum_up_rows() {

@@ -107,8 +107,6 @@ class BoxRows {
   void span_rows(std::int32_t first, std::int32_t last);
   void count_rows();
   void renew_row(std::size_t row, std::uint32_t end);
-  void drop_erased();
-  void take_in_fresh();
   void renew_rows();
   void sum_up_rows();
   static std::int32_t row_of(float z) {
@@ -156,8 +154,11 @@ class BoxRows {
   float deepest_m_ = 0;
   std::int32_t first_row_ = 0;
   std::vector<Row> rows_;  ///< From the first one on; one more begins where the last ends.
-  std::vector<std::uint32_t> next_;         ///< Only used within build(): where each row goes on.
-  std::vector<std::int32_t> changed_rows_;  ///< Only used within settle(); some twice.
+  std::vector<std::uint32_t> next_;  ///< Only used within build(): where each row goes on.
+  struct Change {
+    std::int32_t row, by;  ///< How many more there are in it.
+  };
+  std::vector<Change> changes_;  ///< Only used within settle(); of some rows several.
 };
 
 }  // namespace aureole

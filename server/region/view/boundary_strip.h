@@ -21,7 +21,7 @@ class BoundaryStrip final : public View {
   void note(std::span<const RemoteAura> remote, double depth_m);
 
   bool holds(double x, double z) const override {
-    return !inner_.contains(x, z) || (visited_ && is_marked(column(x), row(z)));
+    return !inner_.contains(x, z) || (visited_ && is_marked_at(x, z));
   }
   bool holds(const WorldPosition& at) const { return holds(at.x, at.z); }
   bool shows(const AuraBox& room) const override;
@@ -31,6 +31,16 @@ class BoundaryStrip final : public View {
   static constexpr double square_m = 8;
   static constexpr std::int64_t side_max = 512;
   bool is_marked(std::int64_t column, std::int64_t row) const;
+  /// The same of where somebody is. All who are awake are asked about in every decision: without
+  /// calls, and most are outside of all that is marked.
+  bool is_marked_at(double x, double z) const {
+    if (marked_.empty()) return true;
+    const double c = (x - low_x_) / square_m, r = (z - low_z_) / square_m;
+    if (!(c >= 0 && c < static_cast<double>(columns_) && r >= 0 && r < static_cast<double>(rows_)))
+      return false;
+    return marked_[static_cast<std::size_t>(static_cast<std::int64_t>(r) * columns_ +
+                                            static_cast<std::int64_t>(c))] != 0;
+  }
   std::int64_t column(double x) const;
   std::int64_t row(double z) const;
 

@@ -43,6 +43,7 @@ void HostedBodies::show(Hosting& hosting, const BodyGlance& seen, const Look& lo
 }
 
 void HostedBodies::lay_down(Hosting& hosting, BodyId id) {
+  sleepers_.expect_one();
   HostedBody body;
   glimpse(hosting, hosting.physics().glance(id), body);
   hosting.lie_down(body);

@@ -7,6 +7,7 @@
 
 #include "server/base/leap.h"
 #include "server/base/merge_in.h"
+#include "server/base/replace_in.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;
@@ -55,5 +56,33 @@ TEST_CASE("what is merged in stands where std::inplace_merge() puts it, equal on
       merge_in(list, middle, before);
       REQUIRE(list == expected);
     }
+  }
+}
+
+TEST_CASE("of a sorted list some go and others come, and all else keeps its order") {
+  using Entry = std::pair<int, int>;  // Sorted by the first; the second says whether it came.
+  const auto before = [](const Entry& a, const Entry& b) { return a.first < b.first; };
+  std::mt19937 random(3);
+  for (int round = 0; round < 4000; ++round) {
+    // Who goes may have the key of who comes.
+    const int going_of_8 = static_cast<int>(random() % 9),
+              coming_of_8 = static_cast<int>(random() % 9);
+    std::vector<Entry> list, fresh, expected;
+    std::vector<std::size_t> gone;
+    const int keys = static_cast<int>(random() % 40);
+    for (int key = 0; key < keys; ++key) {
+      const bool was = random() % 2 == 0;
+      const bool goes = was && static_cast<int>(random() % 8) < going_of_8;
+      const bool comes = (!was || goes) && static_cast<int>(random() % 8) < coming_of_8;
+      if (goes) gone.push_back(list.size());
+      if (was) list.emplace_back(key, 0);
+      if (comes) fresh.emplace_back(key, 1);
+      if (comes)
+        expected.emplace_back(key, 1);
+      else if (was && !goes)
+        expected.emplace_back(key, 0);
+    }
+    replace_in<Entry>(list, gone, fresh, before);
+    REQUIRE(list == expected);
   }
 }
