@@ -215,6 +215,11 @@ void add_experiment(CLI::App& app, int& exit_code) {
                    "Bodies a second; on a grid, for every four regions")
       ->capture_default_str()
       ->check(in_range(run_ranges::rate_per_s));
+  command
+      ->add_option("--region", e.workload.region_m,
+                   "m, edge of a region; volumes beside boundaries are 150 m long or less")
+      ->capture_default_str()
+      ->check(in_range(run_ranges::region_m));
   command->add_option("--seed", e.workload.seed, "Of bodies and network")->capture_default_str();
   command->add_option("--repeat", e.repeats, "Runs of the same, for the mean of their maxima")
       ->capture_default_str()

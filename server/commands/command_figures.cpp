@@ -117,7 +117,8 @@ int run(Options& o) {
     if (!study)
       return complain(
           exit_usage,
-          fmt::format("--only knows fig5, fig7, latency, tolerances and weak, not {}", word));
+          fmt::format("--only knows fig5, fig7, latency, tolerances, weak and regions, not {}",
+                      word));
     o.plan.only.push_back(*study);
   }
   if (plan_of(o.plan).empty())
@@ -170,7 +171,7 @@ void add_experiment_figures(CLI::App& experiment, int& exit_code) {
   const auto o = std::make_shared<Options>();
   command->add_option("--out", o->out, "Folder for figures and tables.md; the runs go to its runs/")
       ->required();
-  command->add_option("--only", o->only, "Some of fig5,fig7,latency,tolerances,weak")
+  command->add_option("--only", o->only, "Some of fig5,fig7,latency,tolerances,weak,regions")
       ->delimiter(',');
   command
       ->add_option("--servers", o->plan.servers,

@@ -148,7 +148,7 @@ class Report {
         {"jitter_ms", o.jitter_ms},
         {"loss_pct", o.loss_pct},
         {"cold_caches_s", o.cold_caches_s},
-        {"region_m", workload_region_m},
+        {"region_m", o.workload.region_m},
         {"step_ms", tick_us / 1e3},
         {"tolerances",
          {{"mode", o.follow_latency ? "follow" : "fixed"},

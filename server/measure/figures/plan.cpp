@@ -12,7 +12,7 @@ namespace aureole {
 namespace {
 
 /// What a row varies beside servers and kinds.
-enum class Knob { none, latency, jitter, loss, speed_tolerance, latency_tolerance };
+enum class Knob { none, latency, jitter, loss, speed_tolerance, latency_tolerance, region };
 
 /// Who is measured.
 struct Kind {
@@ -38,6 +38,7 @@ struct Row {
 };
 
 const std::vector<Kind> both = {{"adaptive"}, {"paper"}};
+const std::vector<Kind> ours = {{"adaptive"}};
 /// What is asked of maxima over repeats is asked of `adaptive`.
 const std::vector<Kind> both_figures = {{"adaptive"}, {"paper", false, true}};
 const std::vector<Kind> fixed_and_following = {{"adaptive"}, {"adaptive", true}, {"paper"}};
@@ -62,7 +63,9 @@ const std::vector<Row>& full_table() {
     {Study::latency, "corner", {4}, fixed_and_following, 30, 1, Knob::loss,    {0.1, 0.5, 1, 2, 5}, slow},
     {Study::tolerances, "corner", {4}, both, 30, 1, Knob::speed_tolerance,   {4, 8, 16, 32, 64}},
     {Study::tolerances, "corner", {4}, both, 30, 1, Knob::latency_tolerance, {1, 2, 5, 10, 20, 40, 80}, late},
-    {Study::weak, "grid", {4, 16, 64}, {{"adaptive"}}, 60, 1, Knob::none, {0}, {}, {}, weak_rate_per_s, false, 10},
+    {Study::weak, "grid", {4, 16, 64}, ours, 60, 1, Knob::none, {0}, {}, {}, weak_rate_per_s, false, 10},
+    {Study::regions, "corner", {4}, ours, 60, 1, Knob::region, {100, 150, 200, 300}, {}, {}, 160, true},
+    {Study::regions, "column", {2}, ours, 60, 1, Knob::region, {150, 300},           {}, {}, 160, true},
   };
   return table;
 }
@@ -77,7 +80,8 @@ const std::vector<Row>& quick_table() {
     {Study::latency, "corner", {4}, fixed_and_following, 15, 1, Knob::loss,    {1, 5},   slow},
     {Study::tolerances, "corner", {4}, both, 15, 1, Knob::speed_tolerance,   {8, 32, 64}},
     {Study::tolerances, "corner", {4}, both, 15, 1, Knob::latency_tolerance, {2, 20, 80}, late},
-    {Study::weak, "grid", {4, 16, 64}, {{"adaptive"}}, 15, 1, Knob::none, {0}, {}, {}, weak_rate_per_s, false, 10},
+    {Study::weak, "grid", {4, 16, 64}, ours, 15, 1, Knob::none, {0}, {}, {}, weak_rate_per_s, false, 10},
+    {Study::regions, "corner", {4}, ours, 20, 1, Knob::region, {150, 300}, {}, {}, 160, true},
   };
   return table;
 }
@@ -101,6 +105,9 @@ void turn(Knob knob, double value, PlannedRun& run) {
       return;
     case Knob::latency_tolerance:
       run.tolerances.latency_ms = value;
+      return;
+    case Knob::region:
+      run.region_m = value;
       return;
   }
 }
@@ -127,7 +134,8 @@ void add_runs(const Row& row, const PlanOptions& options, std::vector<PlannedRun
         turn(row.knob, value, run);
         // One server is all of its limits itself, and nothing meets across a boundary.
         run.references = row.references && servers > 1;
-        run.single = run.references && kind.mode == std::string_view("adaptive");
+        run.single = run.references && kind.mode == std::string_view("adaptive") &&
+                     row.study != Study::regions;
         // Oracles of 100,000 bodies would take longer than everything else together.
         run.judged = servers > 1 && servers <= 16;
         plan.push_back(std::move(run));
@@ -210,6 +218,8 @@ std::string_view word_of(Study study) {
       return "tolerances";
     case Study::weak:
       return "weak";
+    case Study::regions:
+      return "regions";
   }
   return "";
 }
@@ -230,6 +240,7 @@ std::string PlannedRun::name() const {
     name += fmt::format("-latency-{}-speed-tolerance-{}-latency-tolerance-{}",
                         plain(network.latency_ms), plain(tolerances.speed_mps),
                         plain(tolerances.latency_ms));
+  if (study == Study::regions) name += fmt::format("-region-{}", plain(region_m));
   return name;
 }
 
@@ -247,6 +258,7 @@ std::vector<std::string> PlannedRun::arguments() const {
   option("--latency-ms", plain(network.latency_ms));
   option("--jitter-ms", plain(network.jitter_ms));
   // What is as the paper has it is left to the defaults.
+  if (region_m != PlannedRun{}.region_m) option("--region", plain(region_m));
   if (network.loss_pct != PlannedNetwork{}.loss_pct) option("--loss-pct", plain(network.loss_pct));
   if (tolerances.speed_mps != PlannedTolerances{}.speed_mps)
     option("--speed-tolerance", plain(tolerances.speed_mps));
@@ -278,6 +290,7 @@ nlohmann::json to_json(const PlannedRun& run) {
           {"rate_per_s", run.rate_per_s},
           {"repeats", run.repeats},
           {"seed", run.seed},
+          {"region_m", run.region_m},
           {"latency_ms", run.network.latency_ms},
           {"jitter_ms", run.network.jitter_ms},
           {"loss_pct", run.network.loss_pct},
@@ -318,6 +331,8 @@ Result<PlannedRun> planned_run_from(const nlohmann::json& value) {
     if (value.contains("single")) fields.flag("single", run.single);
     if (value.contains("cold_caches_s"))
       fields.number("cold_caches_s", run_ranges::cold_caches_s, run.cold_caches_s);
+    if (value.contains("region_m"))
+      fields.number("region_m", run_ranges::region_m, run.region_m);
     if (const Status end = fields.end(); !end) return end.error();
     return run;
   } catch (const nlohmann::json::exception& wrong) {

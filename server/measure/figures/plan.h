@@ -17,9 +17,10 @@ enum class Study {
   latency,     ///< Slow, uneven and lossy networks, with tolerances fixed and following.
   tolerances,  ///< Speed and latency tolerances other than the paper's.
   weak,        ///< More servers for more bodies.
+  regions,     ///< Regions larger and smaller than those of the figures.
 };
-inline constexpr Study every_study[] = {Study::fig5, Study::fig7, Study::latency, Study::tolerances,
-                                        Study::weak};
+inline constexpr Study every_study[] = {Study::fig5,       Study::fig7, Study::latency,
+                                        Study::tolerances, Study::weak, Study::regions};
 
 /// "fig5" …: the word for --only, and the beginning of the names of its runs.
 std::string_view word_of(Study study);
@@ -51,6 +52,7 @@ struct PlannedRun {
   double rate_per_s = 160;  ///< In weak scaling for every 4 servers.
   int repeats = 1;
   std::uint64_t seed = 1;
+  double region_m = 150;  ///< Edge of a region.
   PlannedNetwork network;
   PlannedTolerances tolerances;
   bool judged = true;      ///< Whether oracles look at it once more.

@@ -20,7 +20,7 @@ int edge_of_grid(int servers) {
 }
 
 Result<std::vector<RegionDefinition>> regions_of(const WorkloadOptions& o) {
-  constexpr double m = workload_region_m;
+  const double m = o.region_m;
   if (o.layout == "column") {
     if (o.servers < 1 || o.servers > 10)
       return Error::format("columns are measured on 1 to 10 servers, not on {}", o.servers);
@@ -55,7 +55,7 @@ struct Extent {
 };
 
 Extent extent_of(const WorkloadOptions& o) {
-  constexpr double half = workload_region_m / 2;
+  const double half = o.region_m / 2;
   if (o.layout == "column") return {o.servers * half, half};
   if (o.layout == "grid") return {edge_of_grid(o.servers) * half, edge_of_grid(o.servers) * half};
   const double edge = o.servers == 1 ? half : o.servers == 9 ? 3 * half : 2 * half;
@@ -85,7 +85,7 @@ std::vector<Source> volumes_at_boundaries(const PartitionMap& map, Extent extent
     const double reach = along_z ? extent.z : extent.x;
     const double from = std::max(along_z ? s.from_z : s.from_x, -reach);
     const double to = std::min(along_z ? s.to_z : s.to_x, reach);
-    const double middle = (from + to) / 2, half = (to - from) / 2;
+    const double middle = (from + to) / 2, half = std::min(to - from, boundary_volume_m) / 2;
     for (const double side : {-off_boundary_m, off_boundary_m}) {
       const double x = along_z ? s.from_x + side : middle, z = along_z ? middle : s.from_z + side;
       const double of_region =
@@ -96,8 +96,9 @@ std::vector<Source> volumes_at_boundaries(const PartitionMap& map, Extent extent
     }
   }
   if (volumes.empty())
-    volumes.push_back(
-        {volume_around(extent.x - off_boundary_m, 0, half_width_m, workload_region_m / 2), 1});
+    volumes.push_back({volume_around(extent.x - off_boundary_m, 0, half_width_m,
+                                     std::min(extent.z, boundary_volume_m / 2)),
+                       1});
   return volumes;
 }
 

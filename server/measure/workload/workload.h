@@ -9,8 +9,8 @@
 
 namespace aureole {
 
-/// Of one region (m). The paper gives none; its volumes are so long along a boundary.
-inline constexpr double workload_region_m = 150;
+/// How long the volumes beside boundaries are (m), as the paper has it.
+inline constexpr double boundary_volume_m = 150;
 
 struct WorkloadOptions {
   /// "column" (Fig. 4), "corner" (Fig. 6), or "grid": n × n regions of the same density.
@@ -19,18 +19,22 @@ struct WorkloadOptions {
   double seconds = 60;      ///< Bodies are injected for so long.
   double rate_per_s = 160;  ///< All injectors together; of a grid: those of four regions.
   std::uint64_t seed = 1;
+  /// Edge of a region (m). The paper gives none; with this one, volumes beside boundaries go from
+  /// one corner to the next.
+  double region_m = boundary_volume_m;
   AuraTolerances tolerances;
 };
 
 /// All injectors together: a grid's grow with the number of its regions.
 double total_rate_per_s(const WorkloadOptions& options);
 
-/// Half of the bodies come beside boundaries, in 20×20×150 m on either side of each piece of
-/// boundary, 12 m from it and 15 m up; half in 20×20×20 m at the regions' centres, as high. One
+/// Half of the bodies come beside boundaries, in 20×20×150 m on either side of the middle of each
+/// piece of boundary (less where that is shorter), 12 m from it and 15 m up; half in 20×20×20 m at
+/// the regions' centres, as high. One
 /// region has no boundary: its first half comes 12 m from its right-hand edge, where two would have
 /// one. In a grid each region gets the same number of bodies beside its boundaries, however many
 /// sides these have, so that all servers have the same to do, few or many. Infinite regions count
-/// as far as they would reach if they were 150 m. Errors: no such layout, or not for so many
+/// as far as they would reach if they were `region_m` long. Errors: no such layout, or not for so many
 /// servers.
 Result<WorldDefinition> workload_world(const WorkloadOptions& options);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "server/experiment/scenario/scenario.h"
 #include "server/worlds/injector.h"
@@ -14,8 +15,10 @@ using namespace aureole;
 
 namespace {
 
-WorldDefinition world_of(const std::string& layout, int servers) {
+WorldDefinition world_of(const std::string& layout, int servers,
+                         double region_m = WorkloadOptions{}.region_m) {
   WorkloadOptions options;
+  options.region_m = region_m;
   options.layout = layout;
   options.servers = servers;
   auto world = workload_world(options);
@@ -46,10 +49,12 @@ TEST_CASE("every layout has two volumes for each piece of boundary and one for e
 }
 
 TEST_CASE("volumes are 12 m from their boundary or at a centre, 15 m up, and inside one region") {
-  for (const auto& [layout, servers] :
-       {std::pair("column", 4), std::pair("corner", 3), std::pair("corner", 9)}) {
-    CAPTURE(layout, servers);
-    const WorldDefinition world = world_of(layout, servers);
+  for (const auto& [layout, servers, region_m] :
+       {std::tuple("column", 4, 150.0), std::tuple("corner", 3, 150.0),
+        std::tuple("corner", 9, 150.0), std::tuple("corner", 4, 100.0),
+        std::tuple("corner", 3, 300.0), std::tuple("column", 10, 800.0)}) {
+    CAPTURE(layout, servers, region_m);
+    const WorldDefinition world = world_of(layout, servers, region_m);
     const PartitionMap map = partition_of(world);
     for (const Injector& injector : world.injectors) {
       CAPTURE(injector.name);
@@ -59,7 +64,7 @@ TEST_CASE("volumes are 12 m from their boundary or at a centre, 15 m up, and ins
       CHECK(size.y() == Approx(20));
       const double wide = std::min(size.x(), size.z()), along = std::max(size.x(), size.z());
       CHECK(wide == Approx(20));
-      CHECK(along == Approx(beside_boundary(injector) ? 150 : 20));
+      CHECK(along == Approx(beside_boundary(injector) ? std::min(150.0, region_m) : 20));
       constexpr double inside = 0.001;
       CHECK(map.region_at(injector.volume.min.x() + inside, injector.volume.min.z() + inside) ==
             map.region_at(injector.volume.max.x() - inside, injector.volume.max.z() - inside));
@@ -69,7 +74,7 @@ TEST_CASE("volumes are 12 m from their boundary or at a centre, 15 m up, and ins
         const double z = std::clamp(centre.z(), s.from_z, s.to_z);
         nearest_m = std::min(nearest_m, std::hypot(centre.x() - x, centre.z() - z));
       }
-      CHECK(nearest_m == Approx(beside_boundary(injector) ? 12 : 75));
+      CHECK(nearest_m == Approx(beside_boundary(injector) ? 12 : region_m / 2));
     }
   }
 }

@@ -120,6 +120,7 @@ std::vector<Figure> figures_of(const std::vector<FinishedRun>& runs,
   add_latency_figure(runs_of(Study::latency, runs, notes), figures, notes);
   add_tolerances_figure(runs_of(Study::tolerances, runs, notes), figures, notes);
   add_weak_figure(runs_of(Study::weak, runs, notes), figures, notes);
+  add_regions_figure(runs_of(Study::regions, runs, notes), figures, notes);
   return figures;
 }
 

@@ -50,6 +50,9 @@ void add_tolerances_figure(const StudyRuns& runs, std::vector<Figure>& figures,
                            std::vector<std::string>& notes);
 void add_weak_figure(const StudyRuns& runs, std::vector<Figure>& figures,
                      std::vector<std::string>& notes);
+/// `cut` / ours and `ideal` / ours by the edge of a region.
+void add_regions_figure(const StudyRuns& runs, std::vector<Figure>& figures,
+                        std::vector<std::string>& notes);
 
 Figure figure_of(std::string name, const Sheet& sheet);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <span>
 
 #include "server/measure/figures/plots/figures.h"
 #include "server/measure/figures/report_values.h"
@@ -276,6 +277,83 @@ void add_weak_figure(const StudyRuns& runs, std::vector<Figure>& figures,
   wire.curves = {bytes};
   sheet.panels = {std::move(frames), std::move(wire)};
   figures.push_back(figure_of("weak", sheet));
+}
+
+void add_regions_figure(const StudyRuns& runs, std::vector<Figure>& figures,
+                        std::vector<std::string>& notes) {
+  if (runs.runs.empty()) return;
+  struct Layout {
+    const char *layout, *colour;
+    PointMark mark;
+  };
+  static constexpr Layout layouts[] = {{"column", colour::orange, PointMark::square},
+                                       {"corner", colour::blue, PointMark::circle}};
+  struct Part {
+    const char *title, *label, *key;
+    Dash dash;
+    double factor;
+  };
+  static constexpr Part efficiencies[] = {
+      {"the limit's frame over ours", "efficiency", "last_10_s/efficiency", Dash::solid, 1},
+      {"", "", "last_10_s/efficiency_ideal", Dash::dashed, 1}};
+  static constexpr Part besides[] = {{"auras, decisions and wire", "% of a frame",
+                                      "last_10_s/share_besides_physics", Dash::solid, 100}};
+  std::vector<double> edges_m;
+  for (const FinishedRun* run : runs.runs) edges_m.push_back(run->plan.region_m);
+  std::sort(edges_m.begin(), edges_m.end());
+  edges_m.erase(std::unique(edges_m.begin(), edges_m.end()), edges_m.end());
+  Scale x{"edge of a region, m", edges_m.front() - 20, edges_m.back() + 20, false, {}, true};
+  for (const double edge_m : edges_m) x.ticks.push_back({edge_m, fmt::format("{:g}", edge_m)});
+
+  Sheet sheet;
+  sheet.height = 430;
+  sheet.title = "How large regions are";
+  sheet.subtitle = runs.setting + "; last 10 s, busiest server";
+  const auto add_panel = [&](std::span<const Part> parts, std::vector<Rule> rules) {
+    Panel panel{74 + 440.0 * static_cast<double>(sheet.panels.size()),
+                134,
+                360,
+                236,
+                parts.front().title,
+                x,
+                {},
+                {},
+                {},
+                std::move(rules)};
+    double largest = 0;
+    for (const Part& part : parts)
+      for (const Layout& layout : layouts) {
+        Curve curve{{}, layout.colour, part.dash, layout.mark, "", 2};
+        for (const FinishedRun* run : runs.runs) {
+          if (run->plan.layout != layout.layout) continue;
+          const auto value = number_at(run->report, part.key);
+          if (value)
+            curve.points.emplace_back(run->plan.region_m, part.factor * *value);
+          else
+            notes.push_back(fmt::format("regions: {} has no {}, its point is left out",
+                                        run->plan.name(), part.key));
+          largest = std::max(largest, part.factor * value.value_or(0));
+        }
+        std::sort(curve.points.begin(), curve.points.end());
+        panel.curves.push_back(std::move(curve));
+      }
+    for (const Rule& rule : panel.rules) largest = std::max(largest, rule.at);
+    panel.y = linear_scale(parts.front().label, 1.05 * largest);
+    sheet.panels.push_back(std::move(panel));
+  };
+  add_panel(efficiencies, {{0.9, "0.90"}, {0.8, "0.80"}});
+  add_panel(besides, {});
+  for (const Layout& layout : layouts) {
+    const auto shown =
+        std::find_if(runs.runs.begin(), runs.runs.end(),
+                     [&](const FinishedRun* run) { return run->plan.layout == layout.layout; });
+    if (shown == runs.runs.end()) continue;
+    const std::string name =
+        fmt::format("{}, {}", layout.layout, servers_in_words((*shown)->plan.servers));
+    sheet.legend.push_back({name + ", of cut", layout.colour, Dash::solid, false, layout.mark});
+    sheet.legend.push_back({name + ", of ideal", layout.colour, Dash::dashed, false, layout.mark});
+  }
+  figures.push_back(figure_of("regions", sheet));
 }
 
 }  // namespace aureole

@@ -25,12 +25,12 @@ std::unique_ptr<TemporaryFolder> folder() {
   return std::move(*made);
 }
 
-/// Runs of both studies that vary network and tolerances.
+/// Runs of the studies that vary network, tolerances and the size of regions.
 std::vector<FinishedRun> varied_runs() {
   std::vector<FinishedRun> runs;
   PlanOptions options;
   options.quick = true;
-  options.only = {Study::latency, Study::tolerances};
+  options.only = {Study::latency, Study::tolerances, Study::regions};
   for (const PlannedRun& planned : plan_of(options)) {
     FinishedRun run = small_run(planned.study, planned.mode, planned.servers);
     run.plan = planned;
@@ -65,7 +65,8 @@ TEST_CASE("whole runs give every figure, and nothing to say about them") {
   std::set<std::string> names;
   for (const Figure& figure : figures_of(all_runs(), notes)) names.insert(figure.name);
   CHECK(names == std::set<std::string>{"fig5", "fig7", "efficiency", "split-columns",
-                                       "split-corners", "hosted", "latency", "tolerances", "weak"});
+                                       "split-corners", "hosted", "latency", "tolerances", "weak",
+                                       "regions"});
   CHECK(notes.empty());
 }
 

@@ -154,7 +154,7 @@ TEST_CASE("a run comes back from JSON as it was, and not from JSON that lacks so
     CHECK(*back == run);
   }
   const nlohmann::json whole = to_json(PlannedRun{});
-  const std::set<std::string> from_later_builds = {"single", "cold_caches_s"};
+  const std::set<std::string> from_later_builds = {"single", "cold_caches_s", "region_m"};
   for (const auto& [name, value] : whole.items()) {
     CAPTURE(name);
     nlohmann::json broken = whole;
@@ -186,6 +186,7 @@ TEST_CASE("a run comes back only if `aureole experiment` takes what it says, els
            {"seed", -1, "a whole number that is not negative"},
            {"seed", 1.5, "a whole number that is not negative"},
            {"loss_pct", 21, "from 0 to 20"},
+           {"region_m", 40, "`region_m` of the run is wrong; expected a number from 50 to 800"},
            {"judged", 1, "true or false"}}) {
     nlohmann::json changed = whole;
     changed[c.field] = c.value;
@@ -216,6 +217,26 @@ TEST_CASE("a run that was made before builds knew of everything comes back as wh
     CHECK(back->single == (mode == "adaptive"));
     CHECK(back->cold_caches_s == 0);
   }
+}
+
+TEST_CASE("regions are as large as the volumes beside boundaries, but in the study of their size") {
+  std::set<std::string> sizes;
+  for (const PlannedRun& run : plan_of({})) {
+    CAPTURE(run.name());
+    const bool is_usual = run.region_m == 150;
+    CHECK((is_usual || run.study == Study::regions));
+    const std::string line = command_line(run.arguments());
+    CHECK((line.find("--region ") == std::string::npos) == is_usual);
+    if (run.study != Study::regions) continue;
+    CHECK(run.references);
+    CHECK(run.judged);
+    sizes.insert(run.name());
+  }
+  CHECK(sizes ==
+        std::set<std::string>{
+            "regions-corner-04-adaptive-region-100", "regions-corner-04-adaptive-region-150",
+            "regions-corner-04-adaptive-region-200", "regions-corner-04-adaptive-region-300",
+            "regions-column-02-adaptive-region-150", "regions-column-02-adaptive-region-300"});
 }
 
 TEST_CASE("servers are compared with cold caches where their number grows, and nowhere else") {
