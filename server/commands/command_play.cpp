@@ -13,7 +13,7 @@
 #include "server/ops/logging.h"
 #include "server/ops/ports.h"
 #include "server/ops/process/installation.h"
-#include "server/ops/snapshot_file.h"
+#include "server/ops/temporary_folder.h"
 #include "server/play/supervisor.h"
 #include "server/worlds/world_file.h"
 

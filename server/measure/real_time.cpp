@@ -14,7 +14,7 @@
 #include "server/measure/workload/workload_file.h"
 #include "server/ops/http_get.h"
 #include "server/ops/ports.h"
-#include "server/ops/snapshot_file.h"
+#include "server/ops/temporary_folder.h"
 #include "server/ops/status_table.h"
 #include "server/play/child_process.h"
 #include "server/play/command_lines.h"

@@ -7,6 +7,7 @@
 
 #include "server/ops/http_get.h"
 #include "server/ops/snapshot_file.h"
+#include "server/ops/temporary_folder.h"
 #include "server/worlds/world_file.h"
 #include "tests/processes/running.h"
 #include "tests/support/temporary_folder.h"

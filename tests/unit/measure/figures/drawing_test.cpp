@@ -6,7 +6,7 @@
 
 #include "server/measure/figures/plots/figures.h"
 #include "server/measure/figures/tables.h"
-#include "server/ops/snapshot_file.h"
+#include "server/ops/temporary_folder.h"
 #include "tests/support/catch.h"
 #include "tests/unit/measure/figures/small_runs.h"
 

@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "server/measure/figures/run_files.h"
-#include "server/ops/snapshot_file.h"
+#include "server/ops/temporary_folder.h"
 #include "tests/support/catch.h"
 
 using namespace aureole;
