@@ -368,4 +368,12 @@ MUTATIONS = [
         "",
         ((AURA, "who reaches out of the region is known without a search"),),
     ),
+    Mutation(
+        "begins-where-it-began",
+        "rows of boxes do not move on when somebody has come before them",
+        "server/aura/shapes/box_rows.cpp",
+        "    rows_[at].begin += static_cast<std::uint32_t>(more);  // Wraps around as it should.\n",
+        "",
+        ((AURA, "who comes and goes leaves rows as those of whoever is there"),),
+    ),
 ]

@@ -1,11 +1,10 @@
-// Listener and HTTP connections, by Boost.Beast.
+// HTTP connections, by Boost.Beast.
 #include "server/gateway/web/http_server.h"
 
 #include <utility>
 
 #include <algorithm>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http.hpp>
@@ -17,6 +16,7 @@
 #include <vector>
 
 #include "server/gateway/web/websocket_session.h"
+#include "server/net/listener.h"
 
 namespace aureole {
 
@@ -87,18 +87,14 @@ struct HttpServer::Place {
 struct HttpServer::Impl : std::enable_shared_from_this<Impl> {
   Impl(asio::io_context& context, HttpServerOptions o, Handlers h)
       : io(context),
-        acceptor(context),
-        pause(context),
         options(std::move(o)),
         handlers(std::move(h)) {}
 
   Result<std::uint16_t> listen();
-  void accept();
   void admit(tcp::socket socket);
 
   asio::io_context& io;
-  tcp::acceptor acceptor;
-  asio::steady_timer pause;
+  std::shared_ptr<Listener> listener;
   HttpServerOptions options;
   Handlers handlers;
   std::set<Place*> places;
@@ -248,38 +244,11 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 }  // namespace
 
 Result<std::uint16_t> HttpServer::Impl::listen() {
-  const auto& [host, port] = options.listen;
-  error_code failed;
-  tcp::resolver resolver(io);
-  const auto found = resolver.resolve(host, std::to_string(port), tcp::resolver::passive, failed);
-  if (failed || found.empty())
-    return Error::format("Cannot listen on \"{}\": {}", host, failed.message());
-  const tcp::endpoint endpoint = *found.begin();
-  acceptor.open(endpoint.protocol(), failed);
-  if (!failed) acceptor.set_option(asio::socket_base::reuse_address(true), failed);
-  if (!failed) acceptor.bind(endpoint, failed);
-  if (!failed) acceptor.listen(asio::socket_base::max_listen_connections, failed);
-  if (failed == asio::error::address_in_use)
-    return Error::format("Port {} of {} is taken by another program", port, host);
-  if (failed) return Error::format("Cannot listen on {}:{}: {}", host, port, failed.message());
-  accept();
-  return acceptor.local_endpoint(failed).port();
-}
-
-void HttpServer::Impl::accept() {
-  acceptor.async_accept([self = shared_from_this()](error_code e, tcp::socket socket) {
-    if (self->stopped) return;
-    if (e) {
-      // Out of file descriptors, mostly: trying again at once would only burn the processor.
-      self->pause.expires_after(std::chrono::milliseconds(100));
-      self->pause.async_wait([self](error_code cancelled) {
-        if (!cancelled) self->accept();
-      });
-      return;
-    }
-    if (self->places.size() < self->options.max_connections) self->admit(std::move(socket));
-    self->accept();
+  listener = std::make_shared<Listener>(io, [weak = weak_from_this()](tcp::socket socket) {
+    const auto self = weak.lock();
+    if (self && self->places.size() < self->options.max_connections) self->admit(std::move(socket));
   });
+  return listener->listen(options.listen);
 }
 
 void HttpServer::Impl::admit(tcp::socket socket) {
@@ -306,9 +275,7 @@ void HttpServer::stop() {
   if (impl_->stopped) return;
   impl_->stopped = true;
   impl_->handlers = {};
-  error_code ignored;
-  impl_->acceptor.close(ignored);
-  impl_->pause.cancel();
+  if (impl_->listener) impl_->listener->stop();
   // Copied: closing may end the last of a connection, and with it its place.
   std::vector<std::function<void()>> closers;
   for (const Place* place : impl_->places) closers.push_back(place->close);

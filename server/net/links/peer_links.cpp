@@ -1,4 +1,4 @@
-// Keeps links to all peers: accepts, introduces, measures, hands frames on.
+// Keeps links to all peers: introduces, measures, hands frames on.
 #include "server/net/links/peer_links.h"
 
 #include <spdlog/spdlog.h>
@@ -13,7 +13,9 @@
 #include "protocol/wire.h"
 #include "server/net/links/handshake.h"
 #include "server/net/links/link.h"
-#include "server/net/links/rare_warning.h"
+#include "server/net/links/strangers.h"
+#include "server/net/listener.h"
+#include "server/net/rare_warning.h"
 
 namespace aureole {
 namespace {
@@ -22,7 +24,6 @@ using boost::asio::ip::tcp;
 using boost::system::error_code;
 using namespace std::chrono_literals;
 
-constexpr auto handshake_time = 3s;
 /// Links are measured often at first, so that the clock is right soon, and steadily afterwards.
 constexpr auto measure_pause_first = 20ms;
 constexpr auto measure_pause = 250ms;
@@ -30,7 +31,6 @@ constexpr int measure_first_count = 16;
 constexpr std::size_t round_trips_kept = 16;
 /// The first few may have waited for a peer that is still starting.
 constexpr std::size_t round_trips_wanted = 4;
-constexpr std::size_t strangers_max = 256;
 /// Each is told of everything, and may leave 64 MiB of it unread.
 constexpr std::size_t gateways_max = 64;
 
@@ -48,19 +48,14 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
   PeerLinksOptions options;
   WorldClock& clock;
   Events events;
-  tcp::acceptor acceptor;
-  boost::asio::steady_timer accept_timer;
+  std::shared_ptr<Listener> listener;
   boost::asio::steady_timer measure_timer;
   int measured = 0;
   std::vector<DiallerPtr> diallers;
   std::map<PeerId, Established> peers;
   std::map<PeerId, Incarnation> met;
-  struct Stranger {
-    std::shared_ptr<Link> link;
-    bool is_dialled = false;
-  };
-  std::vector<Stranger> strangers;  ///< In their handshake, in the order in which they came.
-  RareWarning crowded, refusing;
+  Strangers strangers;  ///< In their handshake.
+  RareWarning refusing;
   bool stopped = false;
 
   Impl(boost::asio::io_context& context, PeerLinksOptions o, WorldClock& c, Events e)
@@ -68,9 +63,8 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
         options(std::move(o)),
         clock(c),
         events(std::move(e)),
-        acceptor(context),
-        accept_timer(context),
-        measure_timer(context) {}
+        measure_timer(context),
+        strangers(context) {}
 
   bool dials(PeerId peer) const {
     return std::any_of(diallers.begin(), diallers.end(),
@@ -86,40 +80,14 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
     return it == met.end() ? Incarnation{} : it->second;
   }
 
-  // ---- Accepting -------------------------------------------------------------------------------
+  // ---- Connecting ------------------------------------------------------------------------------
 
-  void accept() {
-    acceptor.async_accept([self = shared_from_this()](const error_code& ec, tcp::socket socket) {
-      if (self->stopped) return;
-      if (ec) {
-        // Out of descriptors, most likely: a pause, then on.
-        spdlog::warn("cannot accept a connection: {}", ec.message());
-        self->accept_timer.expires_after(200ms);
-        self->accept_timer.async_wait([self](const error_code& e) {
-          if (!e && !self->stopped) self->accept();
-        });
-        return;
-      }
-      self->make_room();
-      self->introduce(std::make_shared<Link>(std::move(socket), self->options.max_queued_bytes),
-                      nullptr);
-      self->accept();
+  Result<std::uint16_t> listen(const Endpoint& at) {
+    listener = std::make_shared<Listener>(io, [weak = weak_from_this()](tcp::socket socket) {
+      if (const auto self = weak.lock()) self->introduce(std::move(socket), nullptr);
     });
+    return listener->listen(at);
   }
-
-  /// Who comes takes the place of whoever has been silent for longest: a server says who it is
-  /// within a round trip, and strangers that say nothing keep none of them out.
-  void make_room() {
-    const auto waits = [](const Stranger& s) { return !s.is_dialled; };
-    const auto waiting = std::count_if(strangers.begin(), strangers.end(), waits);
-    if (static_cast<std::size_t>(waiting) < strangers_max) return;
-    crowded.say(fmt::format("{} connections have not said who they are yet; the oldest is closed",
-                            waiting));
-    const auto oldest = std::find_if(strangers.begin(), strangers.end(), waits)->link;
-    oldest->close("it did not introduce itself before many others came");
-  }
-
-  // ---- Dialling --------------------------------------------------------------------------------
 
   void dial(const PeerAddress& address) {
     const std::weak_ptr<Impl> weak = shared_from_this();
@@ -131,11 +99,7 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
               return self && !self->peers.contains(peer);
             },
             [weak](const DiallerPtr& dialler, tcp::socket socket) {
-              const auto self = weak.lock();
-              if (!self) return;
-              self->introduce(
-                  std::make_shared<Link>(std::move(socket), self->options.max_queued_bytes),
-                  dialler);
+              if (const auto self = weak.lock()) self->introduce(std::move(socket), dialler);
             },
         }));
     diallers.back()->dial();
@@ -145,25 +109,16 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
 
   /// Who was dialled asks for a proof, who dials says who it is, and the other answers once it
   /// knows whom it talks to.
-  void introduce(const std::shared_ptr<Link>& link, const DiallerPtr& dialler) {
-    strangers.push_back({link, dialler != nullptr});
-    auto timer = std::make_shared<boost::asio::steady_timer>(io);
-    timer->expires_after(handshake_time);
-    timer->async_wait([self = shared_from_this(), raw = link.get()](const error_code& ec) {
-      if (ec) return;
-      const auto it = std::find_if(self->strangers.begin(), self->strangers.end(),
-                                   [&](const Stranger& s) { return s.link.get() == raw; });
-      if (it != self->strangers.end())
-        std::shared_ptr<Link>(it->link)->close("it did not introduce itself in time");
-    });
+  void introduce(tcp::socket socket, const DiallerPtr& dialler) {
+    const auto link = std::make_shared<Link>(std::move(socket), options.max_queued_bytes);
+    strangers.add(link, dialler != nullptr);
     auto peer = std::make_shared<std::optional<PeerId>>();
     const auto handshake =
         std::make_shared<Handshake>(dialler ? Handshake::Side::dials : Handshake::Side::answers,
                                     dialler ? dialler->peer() : options.self, options.secret);
     const std::weak_ptr<Impl> weak = shared_from_this();
     link->start({
-        [weak, link = link.get(), dialler, timer, peer,
-         handshake](const FrameView& frame) -> Status {
+        [weak, link = link.get(), dialler, peer, handshake](const FrameView& frame) -> Status {
           const auto self = weak.lock();
           if (!self || self->stopped) return Error{"stopping"};
           if (*peer && frame.type == FrameType::sealed)
@@ -173,12 +128,11 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
             self->answer_challenge(link->shared_from_this(), dialler, *handshake, frame);
             return Ok{};
           }
-          timer->cancel();
+          self->strangers.note_spoken(link);
           self->meet(link->shared_from_this(), dialler, *handshake, frame, *peer);
           return Ok{};
         },
-        [weak, link = link.get(), dialler, timer, peer](const std::string& reason) {
-          timer->cancel();
+        [weak, link = link.get(), dialler, peer](const std::string& reason) {
           if (const auto self = weak.lock(); self && !self->stopped)
             self->ended(link, *peer, dialler, reason);
         },
@@ -246,12 +200,8 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
     establish(peer, link, introduction->hello);
   }
 
-  void forget_stranger(const Link* link) {
-    std::erase_if(strangers, [&](const Stranger& s) { return s.link.get() == link; });
-  }
-
   void establish(PeerId peer, const std::shared_ptr<Link>& link, const PeerHello& hello) {
-    forget_stranger(link.get());
+    strangers.remove(link.get());
     link->allow_payload(max_payload_bytes);
     // A peer that comes again has lost the old link, whatever we think of it.
     if (auto old = peers.find(peer); old != peers.end()) {
@@ -269,7 +219,7 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
 
   void ended(Link* link, std::optional<PeerId> peer, const DiallerPtr& dialler,
              const std::string& reason) {
-    forget_stranger(link);
+    strangers.remove(link);
     if (peer) {
       const auto it = peers.find(*peer);
       if (it != peers.end() && it->second.link.get() == link) {
@@ -383,15 +333,12 @@ struct PeerLinks::Impl : std::enable_shared_from_this<PeerLinks::Impl> {
   void stop() {
     if (stopped) return;
     stopped = true;
-    error_code ec;
-    acceptor.close(ec);
-    accept_timer.cancel();
+    if (listener) listener->stop();
     measure_timer.cancel();
     for (const auto& dialler : diallers) dialler->stop();
     for (const auto& [peer, established] : std::map(peers)) established.link->close("stopping");
-    for (const auto& stranger : std::vector(strangers)) stranger.link->close("stopping");
+    strangers.close_all("stopping");
     peers.clear();
-    strangers.clear();
   }
 };
 
@@ -404,19 +351,7 @@ PeerLinks::~PeerLinks() {
 }
 
 Result<std::uint16_t> PeerLinks::listen(const Endpoint& at) {
-  error_code ec;
-  const auto address = boost::asio::ip::make_address(at.host, ec);
-  if (ec)
-    return Error::format("cannot listen on \"{}\": expected an IP address such as 127.0.0.1",
-                         at.host);
-  const tcp::endpoint endpoint(address, at.port);
-  impl_->acceptor.open(endpoint.protocol(), ec);
-  if (!ec) impl_->acceptor.set_option(tcp::acceptor::reuse_address(true), ec);
-  if (!ec) impl_->acceptor.bind(endpoint, ec);
-  if (!ec) impl_->acceptor.listen(tcp::acceptor::max_listen_connections, ec);
-  if (ec) return Error::format("cannot listen on {}:{}: {}", at.host, at.port, ec.message());
-  impl_->accept();
-  return impl_->acceptor.local_endpoint().port();
+  return impl_->listen(at);
 }
 
 void PeerLinks::start() {

@@ -5,7 +5,7 @@
 
 #include "protocol/wire.h"
 #include "server/net/links/handshake.h"
-#include "server/net/links/rare_warning.h"
+#include "server/net/rare_warning.h"
 #include "tests/unit/net/linked_server.h"
 
 using namespace aureole;
