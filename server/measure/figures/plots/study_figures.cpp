@@ -348,11 +348,11 @@ void add_regions_figure(const StudyRuns& runs, std::vector<Figure>& figures,
         std::find_if(runs.runs.begin(), runs.runs.end(),
                      [&](const FinishedRun* run) { return run->plan.layout == layout.layout; });
     if (shown == runs.runs.end()) continue;
-    const std::string name =
-        fmt::format("{}, {}", layout.layout, servers_in_words((*shown)->plan.servers));
-    sheet.legend.push_back({name + ", of cut", layout.colour, Dash::solid, false, layout.mark});
-    sheet.legend.push_back({name + ", of ideal", layout.colour, Dash::dashed, false, layout.mark});
+    sheet.legend.push_back({fmt::format("{} of {}", layout.layout, (*shown)->plan.servers),
+                            layout.colour, Dash::solid, false, layout.mark});
   }
+  sheet.legend.push_back({"of cut", colour::grey, Dash::solid});
+  sheet.legend.push_back({"of ideal", colour::grey, Dash::dashed});
   figures.push_back(figure_of("regions", sheet));
 }
 
