@@ -80,6 +80,14 @@ struct Company {
   std::uint8_t changes = 0;
   static constexpr std::uint8_t changes_max = 2;
   bool crowded = false;  ///< It meets, or is near to, a third server.
+  bool lately = false;   ///< One of them has come within the last round trip.
+
+  /// How firmly it stays where it is: of two that meet the one that is held less comes to the
+  /// other.
+  enum class Hold : std::uint8_t { none, lately_come, changed_twice };
+  Hold hold() const {
+    return changes == changes_max ? Hold::changed_twice : lately ? Hold::lately_come : Hold::none;
+  }
   friend bool operator==(const Company&, const Company&) = default;
 };
 

@@ -150,7 +150,7 @@ class AdaptivePolicy final : public MigrationPolicy {
       if (!body) continue;
       // Who asks does not see all of the cluster: it may reach where it would be fetched on to.
       const Clusters::Number cluster = clusters_.of(*body);
-      if (contests_.is_overtaken(cluster, request.body, request.asker)) continue;
+      if (contests_.is_held_back(cluster, request.body, request.asker)) continue;
       const RegionId first = contests_.first_around(cluster);
       send(s, cluster, first == s.self ? request.to : s.order.first(request.to, first), leaving);
     }

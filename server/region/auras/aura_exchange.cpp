@@ -38,6 +38,7 @@ void take_motion(const Told& told, RemoteAura& remote) {
   remote.company.changes =
       std::min<std::uint8_t>((told.company() >> changes_shift) & 3, Company::changes_max);
   remote.company.crowded = (told.company() & crowded_flag) != 0;
+  remote.company.lately = (told.company() & lately_flag) != 0;
 }
 
 Result<RemoteAura> from_wire(const wire::Aura& aura, RegionId host) {

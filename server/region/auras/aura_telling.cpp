@@ -172,9 +172,9 @@ AuraExchange::Sent AuraExchange::as_sent(const ProjectedAura& aura) {
   sent.girth =
       rounded_up(aura.room.girth_m + spine.error_m + std::sqrt(3) * position_error_m, girth_step_m);
   sent.cluster = aura.company.label;
-  sent.company =
-      static_cast<std::uint8_t>(aura.company.size_class | aura.company.changes << changes_shift |
-                                (aura.company.crowded ? crowded_flag : 0));
+  sent.company = static_cast<std::uint8_t>(
+      aura.company.size_class | aura.company.changes << changes_shift |
+      (aura.company.crowded ? crowded_flag : 0) | (aura.company.lately ? lately_flag : 0));
   sent.flags = static_cast<std::uint8_t>((aura.asleep ? asleep_flag : 0) |
                                          (aura.resting ? resting_flag : 0));
   sent.speed = rounded_up(aura.speed_mps, speed_step_mps);

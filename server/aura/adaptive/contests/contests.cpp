@@ -38,10 +38,10 @@ void Contests::find(const MigrationSituation& s, Outlook& outlook, Clusters& clu
   clusters_ = &clusters;
   meetings_.clear();
   companies_.clear();
-  if (s.now != settled_at_) {  // A tick may be looked at twice: see MigrationDecision.
-    settled_.swap(settled_now_);
-    settled_now_.clear();
-    settled_at_ = s.now;
+  if (s.now != told_held_at_) {  // A tick may be looked at twice: see MigrationDecision.
+    told_held_.swap(told_held_now_);
+    told_held_now_.clear();
+    told_held_at_ = s.now;
   }
   contested_.clear();
   promises_.begin(s);
@@ -87,39 +87,59 @@ const Company& Contests::company_of(std::uint32_t body) {
     company.size_class = size_class_of(clusters_->members(cluster).size());
     company.changes = changes_of(cluster);
     company.crowded = neighbourhood_.is_crowded(cluster);
+    company.lately = hold_of(cluster) >= Company::Hold::lately_come;
   }
-  if (companies_[cluster]->changes == Company::changes_max) settled_since(outlook_->body(body).id);
+  if (const Company::Hold hold = companies_[cluster]->hold(); hold != Company::Hold::none)
+    note_told(outlook_->body(body).id, hold);
   return *companies_[cluster];
 }
 
-/// Since when others have been told that the body's cluster must not change its owner again; since
-/// now if they have not been.
-Tick Contests::settled_since(BodyId id) {
-  const auto known = settled_.find(id);
-  return settled_now_.try_emplace(id, known == settled_.end() ? situation_->now : known->second)
-      .first->second;
+void Contests::note_told(BodyId id, Company::Hold hold) {
+  const auto known = told_held_.find(id);
+  const bool is_news = known == told_held_.end() || known->second.hold != hold;
+  told_held_now_.try_emplace(id, Told{hold, is_news ? situation_->now : known->second.since});
 }
 
-/// Whether the other server's side, too, has changed its owner as often as it should: then it stays
-/// there whatever has become of ours.
-bool Contests::meets_settled(Clusters::Number cluster, RegionId other) const {
-  const auto at = meetings_.find(cluster);
-  return at != meetings_.end() &&
-         std::any_of(at->second.begin(), at->second.end(), [&](const RemoteAura* aura) {
-           return aura->host == other && aura->company.changes == Company::changes_max;
-         });
-}
-
-bool Contests::is_overtaken(Clusters::Number cluster, BodyId asked_for, RegionId asker) {
-  if (changes_of(cluster) == Company::changes_max &&
-      situation_->now - settled_since(asked_for) < round_trip_ticks_ &&
-      !meets_settled(cluster, asker))
-    return true;
-  const auto members = clusters_->members(cluster);
-  return std::any_of(members.begin(), members.end(), [&](std::uint32_t member) {
+Company::Hold Contests::hold_of(Clusters::Number cluster) const {
+  Company::Hold most = Company::Hold::none;
+  for (const std::uint32_t member : clusters_->members(cluster)) {
     const HostedBody& body = outlook_->body(member);
-    return situation_->now - body.changed_owner < round_trip_ticks_ && body.came_from == asker;
-  });
+    if (changes_of(body) == Company::changes_max) return Company::Hold::changed_twice;
+    if (situation_->now - body.changed_owner < round_trip_ticks_) most = Company::Hold::lately_come;
+  }
+  return most;
+}
+
+Company::Hold Contests::hold_of(const std::vector<Clusters::Number>& clusters) const {
+  Company::Hold most = Company::Hold::none;
+  for (const Clusters::Number cluster : clusters) most = std::max(most, hold_of(cluster));
+  return most;
+}
+
+Company::Hold Contests::hold_of(const Meetings& meets) {
+  Company::Hold most = Company::Hold::none;
+  for (const RemoteAura* aura : meets) most = std::max(most, aura->company.hold());
+  return most;
+}
+
+bool Contests::is_held_back(Clusters::Number cluster, BodyId asked_for, RegionId asker) {
+  const auto told = told_held_.find(asked_for);
+  Company::Hold hold = hold_of(cluster);
+  // What must not change its owner again waits though nobody has been told so yet.
+  if (hold == Company::Hold::changed_twice)
+    note_told(asked_for, hold);
+  else if (told == told_held_.end())
+    return false;
+  else
+    hold = told->second.hold;
+  const auto now_told = told_held_now_.find(asked_for);
+  const Tick since = now_told != told_held_now_.end() ? now_told->second.since : told->second.since;
+  if (situation_->now - since > hearing_ticks_) return false;
+  const auto at = meetings_.find(cluster);
+  if (at == meetings_.end()) return true;
+  Meetings theirs = at->second;
+  std::erase_if(theirs, [&](const RemoteAura* aura) { return aura->host != asker; });
+  return hold_of(theirs) < hold;
 }
 
 /// Each once.
@@ -198,18 +218,7 @@ Contests::Contest Contests::take_waiting(Contest& contest) const {
 RegionId Contests::arbitrate(const Contest& contest, RegionId other) const {
   const RegionId self = situation_->self;
   std::uint8_t our_changes = 0, their_changes = 0;
-  bool asked = false, gave = false;
-  bool gave_lately = false;  // Where it has come to what we asked for, that stays: is_overtaken().
-  const auto note_given = [&](BodyId id) {
-    const Promises::Promise* given = promises_.of(id);
-    if (given == nullptr) return;
-    if (given->to == self) {
-      asked = true;
-    } else if (given->to == other) {
-      gave = true;
-      gave_lately = gave_lately || promises_.is_fresh(*given);
-    }
-  };
+  bool has_come = false, gave = false;
   Eigen::Vector3d theirs(0, 0, 0), ours(0, 0, 0);
   std::map<std::uint16_t, double> their_clusters;
   for (const RemoteAura* aura : contest.meets) {
@@ -217,7 +226,7 @@ RegionId Contests::arbitrate(const Contest& contest, RegionId other) const {
     double& weight = their_clusters[aura->company.label];
     weight = std::max(weight, static_cast<double>(1 << aura->company.size_class));
     their_changes = std::max(their_changes, aura->company.changes);
-    note_given(aura->id);
+    if (const Promises::Promise* given = promises_.of(aura->id)) gave |= given->to == other;
   }
   double meeting = 0, our_weight = 0, their_weight = 0;
   for (const auto& [label, weight] : their_clusters) their_weight += weight;
@@ -228,21 +237,23 @@ RegionId Contests::arbitrate(const Contest& contest, RegionId other) const {
     for (const std::uint32_t member : clusters_->members(cluster)) {
       if (!is_contested(member)) continue;
       ours += outlook_->body(member).position.vector();
-      note_given(outlook_->body(member).id);
+      if (const Promises::Promise* given = promises_.of(outlook_->body(member).id)) {
+        has_come |= given->to == self;
+        gave |= given->to == other;
+      }
       ++meeting;
     }
   }
   ours /= meeting;
-  // Who has changed its owner more often stays.
-  const bool ours_stay = our_changes == Company::changes_max;
-  const bool theirs_stay = their_changes == Company::changes_max;
-  if (ours_stay != theirs_stay) return ours_stay ? self : other;
-  // What has been asked for again since is about to come.
-  if (gave && (gave_lately || !asked)) return other;
-  if (asked || may_come(contest.meets)) return self;
-  // Of two that should stay the larger one does.
-  if (ours_stay) return their_weight > our_weight ? other : self;
+  // What is held stays.
+  const Company::Hold our_hold = hold_of(contest.ours), their_hold = hold_of(contest.meets);
+  if (our_hold != their_hold) return our_hold > their_hold ? self : other;
+  // What has been given is followed; what has been asked for stays here, or is about to come.
+  if (gave && !has_come) return other;
+  if (has_come || may_come(contest.meets)) return self;
+  // Who has changed its owner more often stays; of two that are held the larger one.
   if (our_changes != their_changes) return our_changes > their_changes ? self : other;
+  if (our_hold != Company::Hold::none) return their_weight > our_weight ? other : self;
   const Eigen::Vector3d middle =
       (ours * our_weight + theirs * their_weight) / (our_weight + their_weight);
   const auto distance = [&](RegionId region) {
@@ -287,20 +298,13 @@ bool Contests::meets_a_third_soon(const Contest& contest, RegionId other) const 
 }
 
 void Contests::remember(const Contest& contest, const Verdict& verdict) {
-  const bool we_stay = have_changed_twice(contest.ours);
+  const Company::Hold our_hold = hold_of(contest.ours);
   for (const RemoteAura* aura : verdict.to == situation_->self ? verdict.asked : contest.meets)
-    promises_.give(aura->id, verdict.to, we_stay || aura->company.changes == Company::changes_max,
-                   false);
+    promises_.give(aura->id, verdict.to, std::max(our_hold, aura->company.hold()));
   if (verdict.to == situation_->self) return;
   for (const Clusters::Number cluster : contest.ours)
     for (const std::uint32_t member : clusters_->members(cluster))
-      promises_.give(outlook_->body(member).id, verdict.to, false, true);
-}
-
-bool Contests::have_changed_twice(const std::vector<Clusters::Number>& clusters) const {
-  return std::any_of(clusters.begin(), clusters.end(), [&](Clusters::Number cluster) {
-    return changes_of(cluster) == Company::changes_max;
-  });
+      promises_.give(outlook_->body(member).id, verdict.to, Company::Hold::none);
 }
 
 /// All of a contest goes to one server: what is ours leaves, or what is theirs is asked for.

@@ -33,6 +33,7 @@ class Contests {
   explicit Contests(const AuraTolerances& tolerances) { set_tolerances(tolerances); }
 
   void set_tolerances(const AuraTolerances& tolerances) {
+    hearing_ticks_ = hearing_ticks(tolerances);
     round_trip_ticks_ = round_trip_ticks(tolerances);
     promises_.set_tolerances(tolerances);
   }
@@ -52,11 +53,10 @@ class Contests {
   /// The first server that has anything near a cluster, or on its way, if before ours.
   RegionId first_around(Clusters::Number cluster);
 
-  /// Whether a server that asks for the cluster cannot have known what has come to it meanwhile:
-  /// bodies of its own, or such as have changed their owner as often as they should. It will ask
-  /// again, or send its side here; if its side has changed as often, it can only ask again, and
-  /// waiting would make it too late.
-  bool is_overtaken(Clusters::Number cluster, BodyId asked_for, RegionId asker);
+  /// Whether a request for a body waits: its cluster is held (Company::hold()), others have been
+  /// told so, and who asks cannot have known by then. It knows now, and comes here. What it asks
+  /// for all the same it gets, and at once what it asks for with a side that is held, too.
+  bool is_held_back(Clusters::Number cluster, BodyId asked_for, RegionId asker);
 
   /// Who is near what, as of find().
   const Neighbourhood& neighbourhood() const { return neighbourhood_; }
@@ -83,15 +83,16 @@ class Contests {
   static void sort_by_id(Meetings& meets);
   Contest take_waiting(Contest& contest) const;
   Verdict conclude(const Contest& contest, RegionId to, bool crowded);
-  bool have_changed_twice(const std::vector<Clusters::Number>& clusters) const;
+  Company::Hold hold_of(Clusters::Number cluster) const;
+  Company::Hold hold_of(const std::vector<Clusters::Number>& clusters) const;
+  static Company::Hold hold_of(const Meetings& meets);
   void remember(const Contest& contest, const Verdict& verdict);
   bool has_moved_to(const Contest& contest, RegionId host) const;
   std::optional<RegionId> settled_host(const Contest& contest) const;
   bool meets_a_third_soon(const Contest& contest, RegionId other) const;
-  Tick settled_since(BodyId id);
-  bool meets_settled(Clusters::Number cluster, RegionId other) const;
+  void note_told(BodyId id, Company::Hold hold);
 
-  std::int64_t round_trip_ticks_ = 0;
+  std::int64_t hearing_ticks_ = 0, round_trip_ticks_ = 0;
   const MigrationSituation* situation_ = nullptr;
   Outlook* outlook_ = nullptr;
   Clusters* clusters_ = nullptr;
@@ -100,11 +101,14 @@ class Contests {
   std::map<Clusters::Number, Meetings> meetings_;
   /// By cluster, found out when first asked for.
   std::vector<std::optional<Company>> companies_;
-  /// Bodies of which others have been told that their clusters have changed their owner as often as
-  /// they should, or that were asked for then, and since when; as of the tick before, and of this
-  /// one.
-  std::map<BodyId, Tick> settled_, settled_now_;
-  Tick settled_at_{-1'000'000};
+  /// Bodies of which others have been told that their clusters are held, and since when they have
+  /// been told so in every decision; as of the one before, and of this one.
+  struct Told {
+    Company::Hold hold;
+    Tick since;
+  };
+  std::map<BodyId, Told> told_held_, told_held_now_;
+  Tick told_held_at_{-1'000'000};
   std::vector<std::uint8_t> contested_;  ///< By number on the stage; grows bit by bit.
   std::vector<std::uint32_t> near_;      ///< Only used within find().
 };

@@ -17,12 +17,12 @@ void Promises::begin(const MigrationSituation& s) {
                 [&](const auto& entry) { return s.now - entry.second.at > hold_ticks_; });
 }
 
-void Promises::give(BodyId body, RegionId to, bool settled, bool ours) {
+void Promises::give(BodyId body, RegionId to, Company::Hold known) {
   const Tick now = situation_->now;
-  const Promise fresh{to, now, now, settled, ours};
+  const Promise fresh{to, now, now, known};
   Promise& promise = promises_.try_emplace(body, fresh).first->second;
   const bool left_out = now - promise.at > decision_ticks;
-  if (promise.to != to || left_out || (settled && !promise.settled)) promise = fresh;
+  if (promise.to != to || left_out || known > promise.known) promise = fresh;
   promise.at = now;
 }
 
@@ -31,24 +31,16 @@ const Promises::Promise* Promises::of(BodyId body) const {
   return at == promises_.end() ? nullptr : &at->second;
 }
 
-/// Whether an aura's body has lately been asked for, and its host will not have refused that: see
-/// Contests::is_overtaken(), whose reasons are known here by now.
+/// Whether an aura's body has lately been asked for, and its host does not hold it back: of that
+/// we have been told by now.
 bool Promises::is_coming(const RemoteAura& aura) const {
   const Promise* promise = of(aura.id);
   if (promise == nullptr || promise->to != situation_->self) return false;
-  const bool settled_since = aura.company.changes == Company::changes_max && !promise->settled;
-  const bool joined_by_ours = joined_.contains({aura.host, aura.company.label});
-  return !settled_since && !joined_by_ours && situation_->now - promise->since <= hold_ticks_;
+  const bool held_back = aura.company.hold() > promise->known;
+  return !held_back && situation_->now - promise->since <= hold_ticks_;
 }
 
 void Promises::note_coming() {
-  joined_.clear();
-  for (const RemoteAura& aura : situation_->remote) {
-    const Promise* promise = of(aura.id);
-    if (aura.company.label != 0 && promise != nullptr && promise->ours &&
-        promise->to == aura.host && is_fresh(*promise))
-      joined_.insert({aura.host, aura.company.label});
-  }
   std::set<TheirCluster> clusters;
   for (const RemoteAura& aura : situation_->remote)
     if (aura.company.label != 0 && is_coming(aura))

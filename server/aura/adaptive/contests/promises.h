@@ -19,32 +19,24 @@ class Promises {
  public:
   struct Promise {
     RegionId to;
-    Tick at;       ///< For the last time.
-    Tick since;    ///< To the same server.
-    bool settled;  ///< One side had changed its owner as often as it should by then.
-    bool ours;     ///< It was hosted here.
+    Tick at;              ///< For the last time.
+    Tick since;           ///< To the same server.
+    Company::Hold known;  ///< Of either side by then: what is asked for all the same comes.
   };
 
   void set_tolerances(const AuraTolerances& tolerances) {
     reach_s_ = reach_time_s(tolerances);
-    round_trip_ticks_ = round_trip_ticks(tolerances);
     hold_ticks_ = verdict_hold_ticks(tolerances);
   }
 
   /// Begins a decision, which the situation must outlive: forgets what is too old.
   void begin(const MigrationSituation& situation);
   /// By a verdict of this decision. For one that is given to the same server again the time runs
-  /// on, but for one that was left out between, and for one that is settled now: whatever it was
-  /// refused for is known by now.
-  void give(BodyId body, RegionId to, bool settled, bool ours);
+  /// on, but for one that was left out between, and where more is known now of how it is held.
+  void give(BodyId body, RegionId to, Company::Hold known);
 
   /// Null if it has not been given lately.
   const Promise* of(BodyId body) const;
-  /// Given so lately that nobody here can know what has become of it.
-  bool is_fresh(const Promise& promise) const {
-    return situation_->now - promise.since <= round_trip_ticks_;
-  }
-
   /// Before may_come(), by what others tell of now.
   void note_coming();
   /// Whether it comes here, or may have become part by now of a cluster that does.
@@ -54,12 +46,10 @@ class Promises {
   bool is_coming(const RemoteAura& aura) const;
 
   double reach_s_ = 0;
-  std::int64_t round_trip_ticks_ = 0, hold_ticks_ = 0;
+  std::int64_t hold_ticks_ = 0;
   const MigrationSituation* situation_ = nullptr;
   std::map<BodyId, Promise> promises_;
   using TheirCluster = std::pair<RegionId, std::uint16_t>;  ///< Its host and label.
-  /// Others' clusters to which something of ours has lately come.
-  std::set<TheirCluster> joined_;
   /// Who hosts each of the auras of clusters that have been asked for, and boxes around these.
   std::vector<RegionId> coming_;
   BoxRows coming_rows_;

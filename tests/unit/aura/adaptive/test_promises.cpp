@@ -48,10 +48,11 @@ TEST_CASE("what was asked for by a side that had changed twice itself is not met
   REQUIRE(scene.decide(*policy, Tick{8}).leaving.size() == 1);
 }
 
-TEST_CASE("who has come to what is asked for keeps it there for a round trip, and no longer") {
-  // So long its host refuses; after that what has been asked for again comes, and whoever went to
-  // meet it would swap places with it.
-  for (const std::int64_t tick : {4, 6}) {
+TEST_CASE("what is said to stay, since something has come to it, is not waited for") {
+  // Its host refuses; what it does not say so of comes, and whoever went to meet it would swap
+  // places with it.
+  for (const bool lately : {false, true}) {
+    INFO("something has come to it: " << lately);
     Scene scene;
     const auto policy = make_adaptive_policy(AuraTolerances{});
     scene.hosted = {awake_at(0, 9.9, 3)};
@@ -61,12 +62,28 @@ TEST_CASE("who has come to what is asked for keeps it there for a round trip, an
     scene.remote = {aura(2, 1, false, 10.1, 3)};
     REQUIRE(scene.decide(*policy, Tick{2}).pulls.size() == 1);
     scene.remote = {aura(0, 1, false, 10.1, 3.2), aura(2, 1, false, 10.1, 3)};
-    for (RemoteAura& aura : scene.remote) aura.company.label = 7;
-    REQUIRE(scene.decide(*policy, Tick{tick}).leaving.empty() == (tick == 6));
+    for (RemoteAura& aura : scene.remote) aura.company.lately = lately;
+    const auto decision = scene.decide(*policy, Tick{4});
+    REQUIRE(decision.leaving.empty() == !lately);
+    REQUIRE(decision.pulls.empty() == lately);
   }
 }
 
-TEST_CASE("nobody follows what went to a cluster whose neighbour is asked for, after a round trip") {
+TEST_CASE("what is asked for though it is said to stay is waited for: it comes") {
+  Scene scene;
+  const auto policy = make_adaptive_policy(AuraTolerances{});
+  scene.hosted = {awake_at(0, 9.6)};
+  scene.hosted[0].changed_owner = Tick{-3};
+  scene.hosted[0].changed_owner_before = Tick{-62};
+  scene.remote = {aura(1, 1, false, 10.3)};
+  scene.remote[0].company.lately = true;
+  REQUIRE(scene.decide(*policy, Tick{0}).pulls.size() == 1);
+  // Ours may go now, and the other one still stays by itself.
+  scene.hosted[0].changed_owner = scene.hosted[0].changed_owner_before = Tick{-200};
+  REQUIRE(scene.decide(*policy, Tick{2}).leaving.empty());
+}
+
+TEST_CASE("who meets what has been given goes there, while a cluster beside waits for what comes") {
   for (const std::int64_t tick : {4, 6}) {
     INFO("tick " << tick);
     Scene scene;
@@ -86,29 +103,12 @@ TEST_CASE("nobody follows what went to a cluster whose neighbour is asked for, a
                     aura(6, 1, false, 10.1, 12)};
     scene.remote[0].company.label = scene.remote[2].company.label = 8;
     scene.remote[1].company.label = 7;
-    const auto leaving = scene.decide(*policy, Tick{tick}).leaving;
-    REQUIRE(leaving.empty() == (tick == 6));
-    if (tick == 4) REQUIRE(leaving[0].bodies == std::vector{name(5)});
-  }
-}
-
-TEST_CASE("what is sure to come is waited for, though something of ours went to the other side") {
-  // What has gone there keeps no cluster there but its own.
-  for (const bool joined : {false, true}) {
-    INFO("it has come to what was asked for: " << joined);
-    Scene scene;
-    const auto policy = make_adaptive_policy(AuraTolerances{});
-    scene.hosted = {awake_at(0, 9.9, 3)};
-    scene.remote = {aura(4, 1, false, 10.5, 3)};
-    REQUIRE(scene.decide(*policy, Tick{0}).leaving.size() == 1);
-    scene.hosted = {awake_at(1, 9.6, 3)};
-    scene.remote = {aura(2, 1, false, 10.1, 3)};
-    REQUIRE(scene.decide(*policy, Tick{2}).pulls.size() == 1);
-    scene.remote = {aura(0, 1, false, 10.1, 3.2), aura(2, 1, false, 10.1, 3)};
-    if (joined) scene.remote[0].company.label = scene.remote[1].company.label;
-    const auto decision = scene.decide(*policy, Tick{4});
-    REQUIRE(decision.leaving.empty() == !joined);
-    REQUIRE(decision.pulls.empty() == joined);
+    const auto decision = scene.decide(*policy, Tick{tick});
+    REQUIRE(decision.leaving.size() == 1);
+    REQUIRE(decision.leaving[0].bodies == std::vector{name(5)});
+    // What the row meets has been asked for by now: one more that meets it waits.
+    scene.hosted.back() = awake_at(7, 9.6, 12);
+    REQUIRE(scene.decide(*policy, Tick{tick + 2}).leaving.empty());
   }
 }
 
