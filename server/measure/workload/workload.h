@@ -30,12 +30,11 @@ double total_rate_per_s(const WorkloadOptions& options);
 
 /// Half of the bodies come beside boundaries, in 20×20×150 m on either side of the middle of each
 /// piece of boundary (less where that is shorter), 12 m from it and 15 m up; half in 20×20×20 m at
-/// the regions' centres, as high. One
-/// region has no boundary: its first half comes 12 m from its right-hand edge, where two would have
-/// one. In a grid each region gets the same number of bodies beside its boundaries, however many
-/// sides these have, so that all servers have the same to do, few or many. Infinite regions count
-/// as far as they would reach if they were `region_m` long. Errors: no such layout, or not for so many
-/// servers.
+/// the regions' centres, as high. One region has no boundary: its first half comes 12 m from its
+/// right-hand edge, where two would have one. In a grid each region gets the same number of bodies
+/// beside its boundaries, however many sides these have, so that all servers have the same to do,
+/// few or many. Infinite regions count as far as they would reach if they were `region_m` long.
+/// Errors: no such layout, or not for so many servers.
 Result<WorldDefinition> workload_world(const WorkloadOptions& options);
 
 /// The same world, not cut: one region holds everything.
