@@ -18,7 +18,7 @@ using Bytes = std::vector<std::byte>;
 using SharedBytes = std::shared_ptr<const Bytes>;
 
 /// Refused on mismatch; grows with every change of meaning on the wire.
-inline constexpr std::uint32_t protocol_version = 11;
+inline constexpr std::uint32_t protocol_version = 12;
 
 enum class FrameType : std::uint16_t {
   hello = 1,

@@ -207,6 +207,14 @@ MUTATIONS = [
         ((REGION, "an idle player who has just come throws only when those near have heard"),),
     ),
     Mutation(
+        "unheard-hold",
+        "that something has come to a cluster within the last round trip is not heard",
+        "server/region/auras/aura_exchange.cpp",
+        "  remote.company.lately = (told.company() & lately_flag) != 0;\n",
+        "",
+        ((REGION, "auras that come, change, sleep and go are known as they were told"),),
+    ),
+    Mutation(
         "forgotten-hold",
         "what a player's server held back happens at once on the next one",
         "server/region/handoff/handoff.cpp",

@@ -5,6 +5,21 @@
 using namespace aureole;
 using namespace aureole::adaptive_scene;
 
+namespace {
+
+/// Gives body 0 to region 1, whose body 4 it meets at z = 3 m; a decision later region 1 is asked
+/// for its body 2, which meets body 1 at the same place.
+void give_one_and_ask_for_another(Scene& scene, MigrationPolicy& policy) {
+  scene.hosted = {awake_at(0, 9.9, 3)};
+  scene.remote = {aura(4, 1, false, 10.5, 3)};
+  REQUIRE(scene.decide(policy, Tick{0}).leaving.size() == 1);
+  scene.hosted = {awake_at(1, 9.6, 3)};
+  scene.remote = {aura(2, 1, false, 10.1, 3)};
+  REQUIRE(scene.decide(policy, Tick{2}).pulls.size() == 1);
+}
+
+}  // namespace
+
 TEST_CASE("what the arbiter has asked for is not met halfway") {
   Scene scene;
   const auto policy = make_adaptive_policy(AuraTolerances{});
@@ -55,12 +70,7 @@ TEST_CASE("what is said to stay, since something has come to it, is not waited f
     INFO("something has come to it: " << lately);
     Scene scene;
     const auto policy = make_adaptive_policy(AuraTolerances{});
-    scene.hosted = {awake_at(0, 9.9, 3)};
-    scene.remote = {aura(4, 1, false, 10.5, 3)};
-    REQUIRE(scene.decide(*policy, Tick{0}).leaving.size() == 1);
-    scene.hosted = {awake_at(1, 9.6, 3)};
-    scene.remote = {aura(2, 1, false, 10.1, 3)};
-    REQUIRE(scene.decide(*policy, Tick{2}).pulls.size() == 1);
+    give_one_and_ask_for_another(scene, *policy);
     scene.remote = {aura(0, 1, false, 10.1, 3.2), aura(2, 1, false, 10.1, 3)};
     for (RemoteAura& aura : scene.remote) aura.company.lately = lately;
     const auto decision = scene.decide(*policy, Tick{4});
@@ -88,12 +98,7 @@ TEST_CASE("who meets what has been given goes there, while a cluster beside wait
     INFO("tick " << tick);
     Scene scene;
     const auto policy = make_adaptive_policy(AuraTolerances{});
-    scene.hosted = {awake_at(0, 9.9, 3)};
-    scene.remote = {aura(4, 1, false, 10.5, 3)};
-    REQUIRE(scene.decide(*policy, Tick{0}).leaving.size() == 1);
-    scene.hosted = {awake_at(1, 9.6, 3)};
-    scene.remote = {aura(2, 1, false, 10.1, 3)};
-    REQUIRE(scene.decide(*policy, Tick{2}).pulls.size() == 1);
+    give_one_and_ask_for_another(scene, *policy);
     // A row of ours reaches from what is asked for to what was given, whose cluster goes on to
     // where it meets one more of ours.
     for (const double z : {3.6, 4.2, 4.8, 5.4, 6.0})

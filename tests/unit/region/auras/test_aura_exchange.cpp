@@ -48,7 +48,7 @@ ProjectedAura aura(std::uint32_t n, double x) {
   ProjectedAura made;
   made.id = BodyId::world(n);
   made.room = {{x, 2, -3}, {0.3, -0.51, 0.7}, 0.4};
-  made.company = {static_cast<std::uint16_t>(n + 1), 3, 2, n % 2 == 0};
+  made.company = {static_cast<std::uint16_t>(n + 1), 3, 2, n % 2 == 0, n % 4 < 2};
   made.speed_mps = std::abs(x);
   made.to.add(hearer);
   return made;
@@ -98,7 +98,9 @@ TEST_CASE("auras that come, change, sleep and go are known as they were told") {
         now.erase(n);
       else
         now[n] = aura(n, static_cast<double>(random() % 4000) / 64);
-      if (now.contains(n)) now[n].asleep = random() % 2 == 0;
+      if (!now.contains(n)) continue;
+      now[n].asleep = random() % 2 == 0;
+      now[n].company.lately = random() % 2 == 0;
     }
     MigrationDecision decision;
     for (const auto& [n, projected] : now) decision.projected.push_back(projected);
