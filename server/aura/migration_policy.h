@@ -138,6 +138,8 @@ struct HandoverRequest {
   BodyId body;
   RegionId to;
   RegionId asker{};
+  /// How firmly the asker knew the more firmly held of both sides to stay: it comes all the same.
+  Company::Hold known = Company::Hold::changed_twice;
 };
 
 /// Everything that a decision may depend on; spans ascending by id, no body in both `hosted` and
@@ -189,6 +191,7 @@ struct Pull {
   RegionId from;
   RegionId to;
   std::vector<BodyId> bodies;  ///< ascending
+  Company::Hold known = Company::Hold::changed_twice;  ///< As in HandoverRequest.
 };
 
 /// An aura that reaches beyond our region, and whom it concerns.
@@ -209,7 +212,7 @@ struct MigrationDecision {
   /// Bodies in the largest cluster that is shown, if it was asked for (adaptive).
   std::size_t largest_cluster = 0;
   std::vector<Migration> leaving;        ///< Disjoint groups, ascending by destination.
-  std::vector<Pull> pulls;               ///< Ascending by `from`, then by `to`.
+  std::vector<Pull> pulls;               ///< Ascending by `from`, `to`, `known`.
   std::vector<ProjectedAura> projected;  ///< Ascending by id.
 
   /// Nothing has been decided yet; the memory stays.

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <tuple>
 
 #include "server/aura/adaptive/clusters.h"
 #include "server/aura/adaptive/contests/contests.h"
@@ -86,7 +87,8 @@ class AdaptivePolicy final : public MigrationPolicy {
     Pulls pulls;
     answer_requests(s, leaving);
     for (const Contests::Verdict& verdict : contests_.verdicts()) {
-      for (const RemoteAura* aura : verdict.asked) pulls[{aura->host, verdict.to}].insert(aura->id);
+      for (const Contests::Asked& asked : verdict.asked)
+        pulls[{asked.aura->host, verdict.to, asked.known}].insert(asked.aura->id);
       for (const Clusters::Number cluster : verdict.clusters) send(s, cluster, verdict.to, leaving);
     }
     if (s.now - last_homecoming_ >= homecoming_interval_ticks) {
@@ -100,8 +102,10 @@ class AdaptivePolicy final : public MigrationPolicy {
       std::sort(bodies.begin(), bodies.end());
       decision_.leaving.push_back({to, std::move(bodies)});
     }
-    for (auto& [way, bodies] : pulls)
-      decision_.pulls.push_back({way.first, way.second, {bodies.begin(), bodies.end()}});
+    for (const auto& [way, bodies] : pulls) {
+      const auto& [from, to, known] = way;
+      decision_.pulls.push_back({from, to, {bodies.begin(), bodies.end()}, known});
+    }
     visitors_.remember();
     project(s);
     if (s.asks_largest) decision_.largest_cluster = largest_cluster(s);
@@ -109,7 +113,7 @@ class AdaptivePolicy final : public MigrationPolicy {
   }
 
  private:
-  using Pulls = std::map<std::pair<RegionId, RegionId>, std::set<BodyId>>;
+  using Pulls = std::map<std::tuple<RegionId, RegionId, Company::Hold>, std::set<BodyId>>;
   using Leaving = std::map<RegionId, std::vector<BodyId>>;
 
   /// Whether clusters that may have to go are all shown. Those that go home are: they are outside
@@ -150,7 +154,7 @@ class AdaptivePolicy final : public MigrationPolicy {
       if (!body) continue;
       // Who asks does not see all of the cluster: it may reach where it would be fetched on to.
       const Clusters::Number cluster = clusters_.of(*body);
-      if (contests_.is_held_back(cluster, request.body, request.asker)) continue;
+      if (contests_.is_held_back(cluster, request.body, request.known)) continue;
       const RegionId first = contests_.first_around(cluster);
       send(s, cluster, first == s.self ? request.to : s.order.first(request.to, first), leaving);
     }

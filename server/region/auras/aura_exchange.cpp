@@ -167,11 +167,21 @@ Result<Tick> AuraExchange::receive(RegionId from, std::span<const std::byte> pay
     const auto* to = message->pulls_to();
     if (to == nullptr || to->size() != message->pulls()->size())
       return Error{"an auras message asks for bodies without saying where they shall go"};
+    const auto* known = message->pulls_known();
+    if (known == nullptr || known->size() != message->pulls()->size())
+      return Error{"an auras message asks for bodies without saying what it knows of them"};
     for (flatbuffers::uoffset_t i = 0; i < to->size(); ++i) {
       if (to->Get(i) >= regions)
         return Error::format("an auras message asks for a body for region {}; the world has {}",
                              to->Get(i), regions);
-      pulls.push_back({BodyId{message->pulls()->Get(i)}, RegionId{to->Get(i)}});
+      constexpr auto most = static_cast<std::uint8_t>(Company::Hold::changed_twice);
+      if (known->Get(i) > most)
+        return Error::format("an auras message asks for a body of which it knows {}; expected 0 to {}",
+                             known->Get(i), most);
+      pulls.push_back({BodyId{message->pulls()->Get(i)},
+                       RegionId{to->Get(i)},
+                       {},
+                       static_cast<Company::Hold>(known->Get(i))});
     }
   }
   const Tick told_at{message->tick()};
@@ -207,7 +217,7 @@ std::vector<HandoverRequest> AuraExchange::take_in() {
   for (const auto& [id, peer] : peers_) prefetch_beginning(peer.theirs);
   for (auto& [id, peer] : peers_) {
     for (const HandoverRequest& pull : peer.pulls) {
-      const HandoverRequest heard{pull.body, pull.to, id};
+      const HandoverRequest heard{pull.body, pull.to, id, pull.known};
       const auto [at, fresh] = requested.try_emplace(pull.body, heard);
       if (!fresh && pull.to < at->second.to) at->second = heard;
     }

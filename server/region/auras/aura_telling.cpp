@@ -135,9 +135,11 @@ SharedBytes AuraExchange::frame_for(Peer& peer, const std::vector<HandoverReques
 
   std::vector<std::uint64_t> asked;
   std::vector<std::uint16_t> asked_to;
+  std::vector<std::uint8_t> asked_known;
   for (const HandoverRequest& pull : pulls) {
     asked.push_back(pull.body.value);
     asked_to.push_back(pull.to.value);
+    asked_known.push_back(static_cast<std::uint8_t>(pull.known));
   }
   flatbuffers::FlatBufferBuilder& builder = builder_;
   builder.Clear();
@@ -157,9 +159,11 @@ SharedBytes AuraExchange::frame_for(Peer& peer, const std::vector<HandoverReques
   const auto handed_over_at = numbers(message.handed_over);
   const auto pulls_at = numbers(asked);
   const auto pulls_to_at = numbers(asked_to);
+  const auto pulls_known_at = numbers(asked_known);
   return frames_.finish(builder,
                         wire::CreateAuras(builder, now.value, auras_at, resting_at, removed_at,
-                                          handed_over_at, pulls_at, pulls_to_at, moved_at),
+                                          handed_over_at, pulls_at, pulls_to_at, moved_at,
+                                          pulls_known_at),
                         FrameType::auras);
 }
 
@@ -209,7 +213,7 @@ void AuraExchange::announce(Tick now, const MigrationDecision& decision, const A
   }
   std::map<RegionId, std::vector<HandoverRequest>> pulls;
   for (const Pull& pull : decision.pulls)
-    for (BodyId id : pull.bodies) pulls[pull.from].push_back({id, pull.to});
+    for (BodyId id : pull.bodies) pulls[pull.from].push_back({id, pull.to, {}, pull.known});
   static const std::vector<HandoverRequest> none;
   for (auto& [id, peer] : peers_) {
     if (!peer.up) continue;

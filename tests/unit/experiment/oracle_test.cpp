@@ -263,9 +263,11 @@ TEST_CASE("a third change of owner is excused where those meet that have both ch
         const auto ids = builder.CreateVector(std::vector<std::uint64_t>{id.value});
         const auto ways =
             builder.CreateVector(std::vector<std::uint16_t>{static_cast<std::uint16_t>(to)});
-        const Bytes asked = finish_frame(
-            builder, wire::CreateAuras(builder, simulation.now().value, 0, 0, 0, 0, ids, ways, 0),
-            FrameType::auras);
+        const auto known = builder.CreateVector(std::vector<std::uint8_t>{2});
+        const Bytes asked = finish_frame(builder,
+                                         wire::CreateAuras(builder, simulation.now().value, 0, 0, 0,
+                                                           0, ids, ways, 0, known),
+                                         FrameType::auras);
         const auto frame = decode_frame(asked);
         REQUIRE(frame);
         const PeerId asker{static_cast<std::uint16_t>(to)};

@@ -122,7 +122,7 @@ Company::Hold Contests::hold_of(const Meetings& meets) {
   return most;
 }
 
-bool Contests::is_held_back(Clusters::Number cluster, BodyId asked_for, RegionId asker) {
+bool Contests::is_held_back(Clusters::Number cluster, BodyId asked_for, Company::Hold known) {
   const auto told = told_held_.find(asked_for);
   Company::Hold hold = hold_of(cluster);
   // What must not change its owner again waits though nobody has been told so yet.
@@ -134,12 +134,9 @@ bool Contests::is_held_back(Clusters::Number cluster, BodyId asked_for, RegionId
     hold = told->second.hold;
   const auto now_told = told_held_now_.find(asked_for);
   const Tick since = now_told != told_held_now_.end() ? now_told->second.since : told->second.since;
-  if (situation_->now - since > hearing_ticks_) return false;
-  const auto at = meetings_.find(cluster);
-  if (at == meetings_.end()) return true;
-  Meetings theirs = at->second;
-  std::erase_if(theirs, [&](const RemoteAura* aura) { return aura->host != asker; });
-  return hold_of(theirs) < hold;
+  // Nobody was told of it when what the asker had heard by then was said; from then on all know.
+  const std::int64_t unknown_ticks = round_trip_ticks_ - decision_ticks;
+  return known < hold && situation_->now - since <= unknown_ticks;
 }
 
 /// Each once.
@@ -251,19 +248,18 @@ RegionId Contests::arbitrate(const Contest& contest, RegionId other) const {
   // What has been given is followed; what has been asked for stays here, or is about to come.
   if (gave && !has_come) return other;
   if (has_come || may_come(contest.meets)) return self;
-  // Who has changed its owner more often stays; of two that are held the larger one.
+  // Who has changed its owner more often stays.
   if (our_changes != their_changes) return our_changes > their_changes ? self : other;
-  if (our_hold != Company::Hold::none) return their_weight > our_weight ? other : self;
+  const std::span<const double> awake = situation_->awake;
+  const SideLoad here{awake.empty() ? 0 : awake[self.value], our_weight};
+  const SideLoad there{awake.empty() ? 0 : awake[other.value], their_weight};
+  if (our_hold != Company::Hold::none) return stays(here, there) ? self : other;
   const Eigen::Vector3d middle =
       (ours * our_weight + theirs * their_weight) / (our_weight + their_weight);
   const auto distance = [&](RegionId region) {
     return situation_->map.area(region).distance(middle.x(), middle.z());
   };
-  const std::span<const double> awake = situation_->awake;
-  const double shift_m = awake.empty() ? 0
-                                       : line_shift_m({awake[self.value], our_weight},
-                                                      {awake[other.value], their_weight});
-  return distance(other) - distance(self) < shift_m ? other : self;
+  return distance(other) - distance(self) < line_shift_m(here, there) ? other : self;
 }
 
 /// Whether a side of it has come to that server within the last second.
@@ -297,11 +293,16 @@ bool Contests::meets_a_third_soon(const Contest& contest, RegionId other) const 
   return !others.empty();
 }
 
-void Contests::remember(const Contest& contest, const Verdict& verdict) {
-  const Company::Hold our_hold = hold_of(contest.ours);
-  for (const RemoteAura* aura : verdict.to == situation_->self ? verdict.asked : contest.meets)
-    promises_.give(aura->id, verdict.to, std::max(our_hold, aura->company.hold()));
-  if (verdict.to == situation_->self) return;
+void Contests::remember(const Contest& contest, Verdict& verdict) {
+  const RegionId self = situation_->self;
+  if (verdict.to == self) {
+    // What was asked for by who knew more comes, though less is known now.
+    for (Asked& asked : verdict.asked)
+      asked.known = promises_.give(asked.aura->id, self, asked.known);
+    return;
+  }
+  for (const RemoteAura* aura : contest.meets)
+    promises_.give(aura->id, verdict.to, Company::Hold::none);
   for (const Clusters::Number cluster : contest.ours)
     for (const std::uint32_t member : clusters_->members(cluster))
       promises_.give(outlook_->body(member).id, verdict.to, Company::Hold::none);
@@ -311,9 +312,10 @@ void Contests::remember(const Contest& contest, const Verdict& verdict) {
 Contests::Verdict Contests::conclude(const Contest& contest, RegionId to, bool crowded) {
   const Precedence& order = situation_->order;
   Verdict verdict{contest.ours, to, {}};
+  const Company::Hold our_hold = hold_of(contest.ours);
   for (const RemoteAura* aura : contest.meets)
     if (order.before(situation_->self, aura->host) && aura->host != to)
-      verdict.asked.push_back(aura);
+      verdict.asked.push_back({aura, std::max(our_hold, aura->company.hold())});
   if (!crowded || to == situation_->self) remember(contest, verdict);
   return verdict;
 }

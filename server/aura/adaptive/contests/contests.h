@@ -33,7 +33,6 @@ class Contests {
   explicit Contests(const AuraTolerances& tolerances) { set_tolerances(tolerances); }
 
   void set_tolerances(const AuraTolerances& tolerances) {
-    hearing_ticks_ = hearing_ticks(tolerances);
     round_trip_ticks_ = round_trip_ticks(tolerances);
     promises_.set_tolerances(tolerances);
   }
@@ -42,10 +41,14 @@ class Contests {
   void find(const MigrationSituation& situation, Outlook& outlook, Clusters& clusters,
             Visitors& visitors);
 
+  struct Asked {
+    const RemoteAura* aura;
+    Company::Hold known;  ///< See HandoverRequest.
+  };
   struct Verdict {
     std::vector<Clusters::Number> clusters;  ///< Ours that meet, directly or through others'.
     RegionId to;                             ///< Our own number: they stay.
-    std::vector<const RemoteAura*> asked;    ///< What shall come there too.
+    std::vector<Asked> asked;                ///< What shall come there too.
   };
   /// What becomes of the contested clusters, each once, in a fixed order.
   std::vector<Verdict> verdicts();
@@ -53,10 +56,11 @@ class Contests {
   /// The first server that has anything near a cluster, or on its way, if before ours.
   RegionId first_around(Clusters::Number cluster);
 
-  /// Whether a request for a body waits: its cluster is held (Company::hold()), others have been
-  /// told so, and who asks cannot have known by then. It knows now, and comes here. What it asks
-  /// for all the same it gets, and at once what it asks for with a side that is held, too.
-  bool is_held_back(Clusters::Number cluster, BodyId asked_for, RegionId asker);
+  /// Whether a request for a body waits: its cluster is held (Company::hold()) more firmly than who
+  /// asks knew either side to be, and others have been told so. It knows now, and comes here. Both
+  /// judge by what was told and what was asked, never by what the other one may see: so none comes
+  /// while the other one goes.
+  bool is_held_back(Clusters::Number cluster, BodyId asked_for, Company::Hold known);
 
   /// Who is near what, as of find().
   const Neighbourhood& neighbourhood() const { return neighbourhood_; }
@@ -86,13 +90,13 @@ class Contests {
   Company::Hold hold_of(Clusters::Number cluster) const;
   Company::Hold hold_of(const std::vector<Clusters::Number>& clusters) const;
   static Company::Hold hold_of(const Meetings& meets);
-  void remember(const Contest& contest, const Verdict& verdict);
+  void remember(const Contest& contest, Verdict& verdict);
   bool has_moved_to(const Contest& contest, RegionId host) const;
   std::optional<RegionId> settled_host(const Contest& contest) const;
   bool meets_a_third_soon(const Contest& contest, RegionId other) const;
   void note_told(BodyId id, Company::Hold hold);
 
-  std::int64_t hearing_ticks_ = 0, round_trip_ticks_ = 0;
+  std::int64_t round_trip_ticks_ = 0;
   const MigrationSituation* situation_ = nullptr;
   Outlook* outlook_ = nullptr;
   Clusters* clusters_ = nullptr;

@@ -19,4 +19,9 @@ struct SideLoad {
 /// the order of the servers (precedence.h).
 double line_shift_m(SideLoad here, SideLoad there);
 
+/// Of two sides that are held alike, whether that of `here` stays and the other one comes to it: so
+/// that the two servers come nearer to having as much to do, or are no further apart than they
+/// must be. While they differ by a few hundredths, or have little, the larger side stays.
+bool stays(SideLoad here, SideLoad there);
+
 }  // namespace aureole

@@ -17,13 +17,14 @@ void Promises::begin(const MigrationSituation& s) {
                 [&](const auto& entry) { return s.now - entry.second.at > hold_ticks_; });
 }
 
-void Promises::give(BodyId body, RegionId to, Company::Hold known) {
+Company::Hold Promises::give(BodyId body, RegionId to, Company::Hold known) {
   const Tick now = situation_->now;
   const Promise fresh{to, now, now, known};
   Promise& promise = promises_.try_emplace(body, fresh).first->second;
   const bool left_out = now - promise.at > decision_ticks;
   if (promise.to != to || left_out || known > promise.known) promise = fresh;
   promise.at = now;
+  return promise.known;
 }
 
 const Promises::Promise* Promises::of(BodyId body) const {

@@ -33,7 +33,8 @@ class Promises {
   void begin(const MigrationSituation& situation);
   /// By a verdict of this decision. For one that is given to the same server again the time runs
   /// on, but for one that was left out between, and where more is known now of how it is held.
-  void give(BodyId body, RegionId to, Company::Hold known);
+  /// Returns the most that is or was known.
+  Company::Hold give(BodyId body, RegionId to, Company::Hold known);
 
   /// Null if it has not been given lately.
   const Promise* of(BodyId body) const;

@@ -32,6 +32,38 @@ TEST_CASE("a server that has little to do, or says nothing, shifts no line") {
   REQUIRE(line_shift_m({0, 1}, {1000, 1}) == 0);
 }
 
+TEST_CASE("of two sides that are held alike the one stays that makes servers more even") {
+  // The larger one, while there is nothing to make even.
+  for (const SideLoad even : {SideLoad{1000, 0}, SideLoad{1020, 0}, SideLoad{0, 0}}) {
+    CHECK(stays({even.awake, 64}, {1000, 32}));
+    CHECK_FALSE(stays({even.awake, 32}, {1000, 64}));
+  }
+  CHECK(stays({100, 64}, {20, 32}));
+  // Who has more to do gives away the larger side, too, and gets nothing of it.
+  CHECK_FALSE(stays({1200, 64}, {1000, 32}));
+  CHECK(stays({1000, 32}, {1200, 64}));
+  // But not so many that the other one has more to do by then than it had itself.
+  CHECK(stays({1200, 512}, {1000, 32}));
+  CHECK_FALSE(stays({1000, 32}, {1200, 512}));
+}
+
+TEST_CASE("the arbiter gives away what is held, too, while it has more to do") {
+  Scene scene;
+  scene.hosted = {awake_at(0, 9.6)};
+  scene.hosted[0].changed_owner = Tick{-3};
+  scene.hosted[0].changed_owner_before = Tick{-30};
+  scene.remote = {aura(1, 1, false, 10.1)};
+  scene.remote[0].company.changes = Company::changes_max;
+  REQUIRE(scene.decide().leaving.empty());
+  scene.awake = {1000, 900};
+  REQUIRE(scene.decide().leaving.size() == 1);
+  scene.awake = {900, 1000};
+  const auto decision = scene.decide();
+  REQUIRE(decision.leaving.empty());
+  REQUIRE(decision.pulls.size() == 1);
+  REQUIRE(decision.pulls[0].known == Company::Hold::changed_twice);
+}
+
 TEST_CASE("the arbiter gives away what lies on its own side while it has more to do") {
   Scene scene;
   scene.hosted = {awake_at(0, 9.4)};

@@ -132,6 +132,44 @@ TEST_CASE("a slot that nobody was bound to, or whose body is gone, is refused") 
   CHECK_FALSE(wire.to.receive(teller, moves, prototypes, regions));
 }
 
+TEST_CASE("what is asked for is heard with all that the asker knows, or refused") {
+  Wire wire;
+  MigrationDecision decision;
+  for (const auto hold :
+       {Company::Hold::none, Company::Hold::lately_come, Company::Hold::changed_twice})
+    decision.pulls.push_back(
+        {hearer, teller, {BodyId::world(static_cast<std::uint32_t>(hold))}, hold});
+  wire.from.announce(Tick{1}, decision, SomeBodies{});
+  const SharedBytes frame = wire.from.take_frame(hearer);
+  Bytes payload = Frame(*decode_frame(*frame)).payload;
+  REQUIRE(wire.to.receive(teller, payload, prototypes, regions));
+  const auto heard = wire.to.take_in();
+  REQUIRE(heard.size() == decision.pulls.size());
+  for (std::size_t i = 0; i < heard.size(); ++i) {
+    CHECK(heard[i].body == decision.pulls[i].bodies[0]);
+    CHECK(heard[i].to == teller);
+    CHECK(heard[i].asker == teller);
+    CHECK(heard[i].known == decision.pulls[i].known);
+  }
+  const auto refusal = [&](const std::vector<std::uint8_t>& known) {
+    flatbuffers::FlatBufferBuilder builder;
+    const auto ids = builder.CreateVector(std::vector<std::uint64_t>{1, 2});
+    const auto to = builder.CreateVector(std::vector<std::uint16_t>{0, 1});
+    const auto known_at = builder.CreateVector(known);
+    const Bytes made =
+        finish_frame(builder, wire::CreateAuras(builder, 1, 0, 0, 0, 0, ids, to, 0, known_at),
+                     FrameType::auras);
+    const auto taken =
+        wire.to.receive(teller, Frame(*decode_frame(made)).payload, prototypes, regions);
+    return taken ? "" : taken.error().message;
+  };
+  CHECK(refusal({0, 2}) == "");
+  CHECK(refusal({0}) ==
+        "an auras message asks for bodies without saying what it knows of them");
+  CHECK(refusal({0, 3}) ==
+        "an auras message asks for a body of which it knows 3; expected 0 to 2");
+}
+
 TEST_CASE("a slot can change hands within one message") {
   Wire wire;
   wire.tell(auras(0, 1, 1));
