@@ -176,8 +176,9 @@ Result<Tick> AuraExchange::receive(RegionId from, std::span<const std::byte> pay
                              to->Get(i), regions);
       constexpr auto most = static_cast<std::uint8_t>(Company::Hold::changed_twice);
       if (known->Get(i) > most)
-        return Error::format("an auras message asks for a body of which it knows {}; expected 0 to {}",
-                             known->Get(i), most);
+        return Error::format(
+            "an auras message asks for a body of which it knows {}; expected 0 to {}",
+            known->Get(i), most);
       pulls.push_back({BodyId{message->pulls()->Get(i)},
                        RegionId{to->Get(i)},
                        {},

@@ -175,4 +175,16 @@ inline std::vector<RegionId> regions(std::initializer_list<int> numbers) {
   return all;
 }
 
+/// Bodies of two servers meet on the left of their boundary, and both have just changed their owner
+/// twice.
+inline Scene both_changed_twice() {
+  Scene scene;
+  scene.hosted = {awake_at(0, 9.6)};
+  scene.hosted[0].changed_owner = Tick{-3};
+  scene.hosted[0].changed_owner_before = Tick{-30};
+  scene.remote = {aura(1, 1, false, 10.1)};
+  scene.remote[0].company.changes = Company::changes_max;
+  return scene;
+}
+
 }  // namespace aureole::adaptive_scene

@@ -115,12 +115,7 @@ TEST_CASE("who has changed its owner more often stays where it is") {
 }
 
 TEST_CASE("of two sides that have both changed twice the larger one stays, for as long as asked") {
-  Scene scene;
-  scene.hosted = {awake_at(0, 9.6)};
-  scene.hosted[0].changed_owner = Tick{-3};
-  scene.hosted[0].changed_owner_before = Tick{-30};
-  scene.remote = {aura(1, 1, false, 10.1)};
-  scene.remote[0].company.changes = Company::changes_max;
+  Scene scene = both_changed_twice();
   const auto policy = make_adaptive_policy(AuraTolerances{});
   auto decision = scene.decide(*policy, Tick{0});
   REQUIRE(decision.pulls.size() == 1);

@@ -33,8 +33,7 @@ TEST_CASE(
         REQUIRE(decision.projected[0].company.lately);
       }
       scene.requested = {request(0, known)};
-      REQUIRE(scene.decide(*policy, Tick{2}).leaving.empty() ==
-              (is_told && known == Hold::none));
+      REQUIRE(scene.decide(*policy, Tick{2}).leaving.empty() == (is_told && known == Hold::none));
       // Who still asks knows it.
       REQUIRE(scene.decide(*policy, Tick{4}).leaving.size() == 1);
     }

@@ -48,12 +48,7 @@ TEST_CASE("of two sides that are held alike the one stays that makes servers mor
 }
 
 TEST_CASE("the arbiter gives away what is held, too, while it has more to do") {
-  Scene scene;
-  scene.hosted = {awake_at(0, 9.6)};
-  scene.hosted[0].changed_owner = Tick{-3};
-  scene.hosted[0].changed_owner_before = Tick{-30};
-  scene.remote = {aura(1, 1, false, 10.1)};
-  scene.remote[0].company.changes = Company::changes_max;
+  Scene scene = both_changed_twice();
   REQUIRE(scene.decide().leaving.empty());
   scene.awake = {1000, 900};
   REQUIRE(scene.decide().leaving.size() == 1);

@@ -156,18 +156,15 @@ TEST_CASE("what is asked for is heard with all that the asker knows, or refused"
     const auto ids = builder.CreateVector(std::vector<std::uint64_t>{1, 2});
     const auto to = builder.CreateVector(std::vector<std::uint16_t>{0, 1});
     const auto known_at = builder.CreateVector(known);
-    const Bytes made =
-        finish_frame(builder, wire::CreateAuras(builder, 1, 0, 0, 0, 0, ids, to, 0, known_at),
-                     FrameType::auras);
+    const Bytes made = finish_frame(
+        builder, wire::CreateAuras(builder, 1, 0, 0, 0, 0, ids, to, 0, known_at), FrameType::auras);
     const auto taken =
         wire.to.receive(teller, Frame(*decode_frame(made)).payload, prototypes, regions);
     return taken ? "" : taken.error().message;
   };
   CHECK(refusal({0, 2}) == "");
-  CHECK(refusal({0}) ==
-        "an auras message asks for bodies without saying what it knows of them");
-  CHECK(refusal({0, 3}) ==
-        "an auras message asks for a body of which it knows 3; expected 0 to 2");
+  CHECK(refusal({0}) == "an auras message asks for bodies without saying what it knows of them");
+  CHECK(refusal({0, 3}) == "an auras message asks for a body of which it knows 3; expected 0 to 2");
 }
 
 TEST_CASE("a slot can change hands within one message") {
