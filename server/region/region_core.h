@@ -216,6 +216,7 @@ class RegionCore {
   bool waits_for_auras(RegionId region, const Peer& peer, Tick now) const;
   void note_neighbour_is_back(RegionId region);
   std::vector<Rectangle> close_areas();
+  LoadLevels::Told tell_level(Tick now);
   SharedBytes status_frame(Tick now, const ShellMeasurements& measured);
   SharedBytes acknowledgement(Peer& peer);
   void judge_tolerances(Tick now, const ShellMeasurements& measured);

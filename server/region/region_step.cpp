@@ -4,6 +4,7 @@
 #include <set>
 
 #include "protocol/wire.h"
+#include "server/aura/adaptive/outlook/aura_size.h"
 #include "server/base/check.h"
 #include "server/base/prefetch.h"
 #include "server/region/closed_boundary.h"
@@ -315,10 +316,17 @@ std::vector<VersionedBody> RegionCore::passive_copies() const {
   return copies;
 }
 
+LoadLevels::Told RegionCore::tell_level(Tick now) {
+  // In rows the order never changes.
+  if (map_.has_corners() && hearing_ticks(tolerances_.limits()) > decision_ticks)
+    return load_levels_.tell(now, [](std::uint16_t) { return LoadLevels::last; });
+  return load_levels_.tell(now, awake_everywhere_[self_.value],
+                           static_cast<double>(largest_cluster_));
+}
+
 SharedBytes RegionCore::status_frame(Tick now, const ShellMeasurements& measured) {
   const RegionStatistics s = statistics();
-  const LoadLevels::Told level =
-      load_levels_.tell(now, awake_everywhere_[self_.value], static_cast<double>(largest_cluster_));
+  const LoadLevels::Told level = tell_level(now);
   const LineNews lines = home_lines_.tell(now, awake_everywhere_[self_.value]);
   flatbuffers::FlatBufferBuilder builder(256);
   std::vector<wire::ToleranceMark> outside;

@@ -12,6 +12,14 @@ MUTATIONS = [
         ((AURA, "in a row, too, who does not know where others' lines are tells those who may be*"),),
     ),
     Mutation(
+        "passed-by-at-home",
+        "what goes home passes by what has been asked for and comes here",
+        "server/aura/adaptive/homecoming.cpp",
+        "  return aura.host == home && !contests_->may_come(aura);",
+        "  return aura.host == home;",
+        ((AURA, "what goes home does not pass by what has been asked for"),),
+    ),
+    Mutation(
         "symmetric-rule",
         "of two servers whose bodies meet each sends its own to the other",
         "server/aura/adaptive/contests/contests.cpp",

@@ -182,6 +182,14 @@ MUTATIONS = [
         ((REGION, "a level is kept while fewer bodies more are awake than hang together"),),
     ),
     Mutation(
+        "order-while-slow",
+        "servers are ordered by their loads however long messages take",
+        "server/region/region_step.cpp",
+        "  if (map_.has_corners() && hearing_ticks(tolerances_.limits()) > decision_ticks)\n",
+        "  if (false)\n",
+        ((REGION, "a server whose messages are slow is last, whatever it has to do"),),
+    ),
+    Mutation(
         "shifted-load",
         "a load that shifts because the cut has changed counts as a blow",
         "server/region/stand_ins/stand_in_watch.cpp",

@@ -104,12 +104,12 @@ const BoxRows& Homecoming::stirrer_rows() {
   rooms_.clear();
   for (std::uint32_t i = 0; i < outlook_->size(); ++i) {
     if (outlook_->rests(i)) continue;
-    stirrers_.push_back({i, situation_->self});
+    stirrers_.push_back({.ours = i});
     rooms_.push_back(room_of(i));
   }
   for (const RemoteAura& aura : situation_->remote) {
     if (aura.resting) continue;
-    stirrers_.push_back({others_body, aura.host});
+    stirrers_.push_back({.other = &aura});
     rooms_.push_back(room_of(aura, ahead_s));
   }
   stirrer_rows_.build(rooms_);
@@ -195,8 +195,14 @@ RegionId Homecoming::home_of(Clusters::Number cluster) const {
       ->first;
 }
 
-/// Appends whom the body soon meets here; false if it meets somebody of a third server's. What
-/// rests does not meet what rests. The same whichever of two is asked.
+/// Whether another server's body is still met by who goes home: not if a third one hosts it, nor if
+/// it comes here meanwhile.
+bool Homecoming::is_met_there(const RemoteAura& aura, RegionId home) const {
+  return aura.host == home && !contests_->may_come(aura);
+}
+
+/// Appends whom the body soon meets here; false if it meets somebody whom it would miss at home.
+/// What rests does not meet what rests. The same whichever of two is asked.
 bool Homecoming::add_met(std::uint32_t body, RegionId home, std::vector<std::uint32_t>& met) {
   AuraBox room = room_of(body);
   room.half.array() += clearance_m;
@@ -205,29 +211,29 @@ bool Homecoming::add_met(std::uint32_t body, RegionId home, std::vector<std::uin
     found_.clear();
     outlook_->remote_rows().find(room, found_);
     for (const std::uint32_t other : found_)
-      if (situation_->remote[other].host != home) return false;
+      if (!is_met_there(situation_->remote[other], home)) return false;
   }
   found_.clear();
   stirrer_rows().find(room, found_);
   for (const std::uint32_t stirrer : found_) {
-    const Stirrer& other = stirrers_[stirrer];
-    if (other.body != others_body)
-      met.push_back(other.body);
-    else if (other.host != home)
+    const auto& [ours, other] = stirrers_[stirrer];
+    if (other == nullptr)
+      met.push_back(ours);
+    else if (!is_met_there(*other, home))
       return false;
   }
   return true;
 }
 
 /// Whether the cluster could go home if all that it meets came along.
-bool Homecoming::look_around(Clusters::Number cluster, RegionId home, const Contests& contests,
+bool Homecoming::look_around(Clusters::Number cluster, RegionId home,
                              std::vector<std::uint32_t>& met) {
   if (clusters_->sent(cluster) || home_of(cluster) != home) return false;
   // A copy: whoever is found may have to come on the stage.
   const auto span = clusters_->members(cluster);
   const boost::container::small_vector<std::uint32_t, 64> members(span.begin(), span.end());
   return std::all_of(members.begin(), members.end(), [&](std::uint32_t member) {
-    return may_leave(member, contests.is_contested(member)) && add_met(member, home, met);
+    return may_leave(member, contests_->is_contested(member)) && add_met(member, home, met);
   });
 }
 
@@ -238,14 +244,13 @@ std::uint32_t& Homecoming::pocket_at(Clusters::Number cluster) {
 
 /// Everything that has to go home together with a cluster; none if it stays. What has been found by
 /// then hangs together with it and stays too.
-std::vector<Clusters::Number> Homecoming::pocket_of(Clusters::Number first, RegionId home,
-                                                    const Contests& contests) {
+std::vector<Clusters::Number> Homecoming::pocket_of(Clusters::Number first, RegionId home) {
   const std::uint32_t self = ++pockets_;
   std::vector<Clusters::Number> pocket{first};
   pocket_at(first) = self;
   for (std::size_t k = 0; k < pocket.size(); ++k) {
     met_.clear();
-    if (!look_around(pocket[k], home, contests, met_)) return {};
+    if (!look_around(pocket[k], home, met_)) return {};
     for (const std::uint32_t body : met_) {
       const Clusters::Number cluster = clusters_->of(body);
       std::uint32_t& at = pocket_at(cluster);
@@ -263,6 +268,7 @@ std::vector<Homecoming::Pocket> Homecoming::pockets(const MigrationSituation& s,
   situation_ = &s;
   outlook_ = &outlook;
   clusters_ = &clusters;
+  contests_ = &contests;
   stirrers_known_ = blows_known_ = false;
   for (std::vector<Heap>& heaps : heaps_) heaps.clear();
   judged_.clear();
@@ -275,7 +281,7 @@ std::vector<Homecoming::Pocket> Homecoming::pockets(const MigrationSituation& s,
     const Clusters::Number own = clusters.of(i);
     if (pocket_at(own) != no_pocket) continue;
     const RegionId home = home_of(own);
-    Pocket pocket{pocket_of(own, home, contests), home};
+    Pocket pocket{pocket_of(own, home), home};
     if (!pocket.clusters.empty()) leaving.push_back(std::move(pocket));
   }
   return leaving;

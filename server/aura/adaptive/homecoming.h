@@ -54,26 +54,25 @@ class Homecoming {
   bool is_threatened(std::uint32_t body, Link link);
   bool may_leave(std::uint32_t body, bool contested);
   RegionId home_of(Clusters::Number cluster) const;
+  bool is_met_there(const RemoteAura& aura, RegionId home) const;
   bool add_met(std::uint32_t body, RegionId home, std::vector<std::uint32_t>& met);
-  bool look_around(Clusters::Number cluster, RegionId home, const Contests& contests,
-                   std::vector<std::uint32_t>& met);
+  bool look_around(Clusters::Number cluster, RegionId home, std::vector<std::uint32_t>& met);
   std::uint32_t& pocket_at(Clusters::Number cluster);
-  std::vector<Clusters::Number> pocket_of(Clusters::Number first, RegionId home,
-                                          const Contests& contests);
+  std::vector<Clusters::Number> pocket_of(Clusters::Number first, RegionId home);
 
   std::int64_t news_ticks_ = 0;
   const MigrationSituation* situation_ = nullptr;  ///< Within pockets().
   Outlook* outlook_ = nullptr;
   Clusters* clusters_ = nullptr;
+  const Contests* contests_ = nullptr;
   bool nothing_moves_ = false;  ///< Here for quiet_ticks, nor what others project.
   /// When each body last moved or expected a blow, if lately; ascending. And as of the last tick.
   std::vector<std::pair<BodyId, Tick>> unrest_, before_;
   /// What does not rest, here and elsewhere.
   struct Stirrer {
-    std::uint32_t body;  ///< On the stage, or others_body.
-    RegionId host;
+    std::uint32_t ours = 0;             ///< On the stage, if nobody else's.
+    const RemoteAura* other = nullptr;  ///< Of another server's.
   };
-  static constexpr std::uint32_t others_body = static_cast<std::uint32_t>(-1);
   std::vector<Stirrer> stirrers_;
   BoxRows stirrer_rows_;  ///< Rooms of each of them, once they have been asked for.
   /// Ways of those whose blows would go on through a row, further ahead; the same.

@@ -31,7 +31,7 @@ std::uint16_t LoadLevels::level_for(double awake, double largest, std::uint16_t 
   const double steps = std::log(std::max(awake / awake_min_, 1.0)) / std::log(step_);
   const double awake_before = awake_min_ * std::pow(step_, before);
   if (std::abs(steps - before) < 1 || std::abs(awake - awake_before) < largest) return before;
-  return static_cast<std::uint16_t>(std::min(std::round(steps), double{unknown - 1}));
+  return static_cast<std::uint16_t>(std::min(std::round(steps), double{last - 1}));
 }
 
 bool LoadLevels::is_to_choose(Tick now) const {

@@ -31,6 +31,11 @@ class LoadLevels {
   static constexpr double awake_min = 128;
   /// What a status says of a term whose level has not been chosen yet, or is not known.
   static constexpr std::uint16_t unknown = 0xFFFF;
+  /// After all others, whatever it has to do: of a server whose messages take more than from one
+  /// decision to the next. When an order changes, what has been asked for by the one before is
+  /// still on its way; where that takes long two servers pass each other
+  /// (docs/adaptive.md#where-messages-are-slow).
+  static constexpr std::uint16_t last = unknown - 1;
 
   /// `self`: one of `regions`. `step`: from one level to the next (> 1).
   LoadLevels(std::size_t regions, RegionId self, double step = coarse_step)

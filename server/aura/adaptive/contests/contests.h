@@ -65,6 +65,10 @@ class Contests {
   /// Who is near what, as of find().
   const Neighbourhood& neighbourhood() const { return neighbourhood_; }
 
+  /// Whether another server's body comes here, or may be part by now of a cluster that does: who
+  /// left what it meets would pass it by.
+  bool may_come(const RemoteAura& aura) const { return promises_.may_come(aura); }
+
   /// Whether a body must be brought together with somebody else's.
   bool is_contested(std::uint32_t body) const {
     return body < contested_.size() && contested_[body] != 0;

@@ -79,6 +79,18 @@ TEST_CASE("what rests goes home beside what moves there, not beside what moves w
   }
 }
 
+TEST_CASE("what goes home does not pass by what has been asked for") {
+  for (const bool asked : {false, true}) {
+    INFO("it comes here: " << asked);
+    Scene scene;
+    // Body 1 comes to body 0, or that goes to it; 2 is met by what moves of body 1 soon.
+    scene.hosted = {awake_at(0, asked ? 9.6 : 9.9), asleep_at(2, 11.4)};
+    scene.remote = {aura(1, 1, false, 10.3)};
+    REQUIRE(scene.decide().pulls.size() == (asked ? 1 : 0));
+    REQUIRE(going_home(scene) == (asked ? names({}) : names({0, 2})));
+  }
+}
+
 TEST_CASE("a pile stays whole while any of it settles, a layer on the ground does not wait") {
   for (const bool piled : {false, true}) {
     Scene scene;

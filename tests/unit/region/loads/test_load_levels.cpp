@@ -67,6 +67,14 @@ TEST_CASE("loads below the least are all alike") {
   CHECK(levels.tell(Tick{2 * term + half}, 5).next > 0);
 }
 
+TEST_CASE("who was last whatever it had to do is at the level of its load again") {
+  LoadLevels levels(2, ours);
+  const auto last = [](std::uint16_t) { return LoadLevels::last; };
+  CHECK(levels.tell(Tick{half}, last).next == LoadLevels::last);
+  CHECK(levels.tell(Tick{term + half}, 1000) == LoadLevels::Told{LoadLevels::last, 70});
+  CHECK(levels.tell(Tick{2 * term + half}, 1e300).next < LoadLevels::last);
+}
+
 TEST_CASE("who is a moment ahead or behind goes by the same levels at the same tick") {
   LoadLevels levels(2, ours);
   levels.hear(theirs, Tick{half}, {0, 9});
@@ -178,6 +186,21 @@ TEST_CASE("a server of columns, where three never meet, tells of no level") {
       CHECK(told.now == 0);
       CHECK((told.next == 0 || told.next == LoadLevels::unknown));
     }
+}
+
+TEST_CASE("a server whose messages are slow is last, whatever it has to do") {
+  for (const double latency_ms : {2.0, 3.0, 100.0}) {
+    INFO("latency tolerance " << latency_ms << " ms");
+    WorldDefinition world = corner_world();
+    world.tolerances.latency_ms = latency_ms;
+    RegionCore core(world, ours, Incarnation{1});
+    core.level_from(1);
+    core.peer_up(PeerId::region(theirs), Incarnation{1});
+    std::uint16_t now = 0;
+    for (std::int64_t tick = 1; tick <= term; ++tick)
+      for (const LoadLevels::Told& told : told_in(core, tick)) now = told.now;
+    CHECK((now == LoadLevels::last) == (latency_ms > 2));
+  }
 }
 
 TEST_CASE("a status of a tick that cannot be is refused with a sentence") {
