@@ -68,6 +68,10 @@ std::vector<ContactManifold> PhysicsWorld::contacts_around(std::span<const BodyI
                           Partners::all);
 }
 
+std::vector<BodyId> PhysicsWorld::beside_others(std::span<const BodyId> group) const {
+  return members_beside_others(impl_->world, impl_->group_of(group, &Impl::body));
+}
+
 std::vector<BodyId> PhysicsWorld::touching(BodyId id) const {
   return bodies_touching(impl_->world, impl_->body_or_stand_in(id));
 }

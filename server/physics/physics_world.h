@@ -128,6 +128,10 @@ class PhysicsWorld {
   /// The same and those between `group` and bodies or stand-ins outside it; if the one outside has
   /// the smaller id, it is a. `group` may name stand-ins.
   std::vector<ContactManifold> contacts_around(std::span<const BodyId> group) const;
+  /// Those of `group` whose boxes overlap that of a body outside of it, as of the last step or
+  /// later (each box is Bullet's, 2 cm larger than what is in it), whether they touch or not;
+  /// ascending.
+  std::vector<BodyId> beside_others(std::span<const BodyId> group) const;
   /// Bodies and stand-ins that share at least one contact point with `id` (a body or a stand-in);
   /// sorted. For one question; who asks about many takes find_touching().
   std::vector<BodyId> touching(BodyId id) const;

@@ -119,7 +119,7 @@ class Hosting {
   Record& next_record(BodyId id);
   void find_contacts_of_sleepers(std::span<const NewBody> bodies);
   void bring_neighbours(HandoffGroup& group, Tick now) const;
-  std::vector<BodyId> holding_up(const HandoffGroup& group, Tick now) const;
+  std::vector<BodyId> holding_up(std::span<const BodyId> group, Tick now) const;
 
   RegionId self_;
   Incarnation incarnation_;

@@ -368,6 +368,14 @@ MUTATIONS = [
         ((REGION, "it is known since when somebody has been looked at here"),),
     ),
     Mutation(
+        "nothing-left-standing",
+        "what rests and is handed away leaves no stand-in behind",
+        "server/physics/bullet/bullet_queries.cpp",
+        "      beside |= other && ",
+        "      beside &= other && ",
+        ((REGION, "what rests and is handed away stays as a stand-in for what is about to lean on it"), (REGION, "a resting support that is handed away stays as a stand-in, and who sleeps on it sleeps")),
+    ),
+    Mutation(
         "vouched-for-ever",
         "a stand-in that nobody vouches for is never due",
         "server/region/stand_ins/stand_ins.cpp",

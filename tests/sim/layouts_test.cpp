@@ -99,8 +99,9 @@ TEST_CASE("servers whose order follows their loads hold every rule too") {
 TEST_CASE(
     "around a corner every rule holds where messages take 100 ms, whatever servers have to do") {
   // While loads changed the order there, the first one changed a body's owner a third time, and the
-  // second one missed a contact.
-  for (const std::uint64_t seed : {4, 13}) {
+  // second one missed a contact. In the third one something that rested went home from under what
+  // fell on it, while Bullet had no contact of the two for a step.
+  for (const std::uint64_t seed : {4, 13, 27}) {
     SimulationOptions options;
     options.scenario = {"corner4", MigrationMode::adaptive, seed, 12, 300, 105.0};
     options.network = {100'000, 0};

@@ -96,3 +96,23 @@ TEST_CASE("statistics count pairs, manifolds and awake islands") {
   run(world, 100);
   CHECK(world.statistics().islands == 0);
 }
+
+TEST_CASE("those of a group are found that are beside bodies outside of it") {
+  PhysicsWorld world = world_on_ground();
+  // Two with a gap of 3 cm, one 10 cm further, and one more in line with it.
+  const std::vector<NewBody> row{body(0, cube, 0, 0.5, 0), body(1, cube, 1.03, 0.5, 0),
+                                 body(2, cube, 2.13, 0.5, 0), body(3, cube, 3.13, 0.5, 0)};
+  world.add(row);
+  using Ids = std::vector<BodyId>;
+  const auto beside = [&](const Ids& group) { return world.beside_others(group); };
+  const BodyId a = row[0].id, b = row[1].id, c = row[2].id, d = row[3].id;
+  CHECK(world.touching(a).empty());
+  CHECK(beside({a}) == Ids{a});
+  CHECK(beside({a, b}).empty());
+  CHECK(beside({c, b}) == Ids{b, c});
+  CHECK(beside({a, b, c}) == Ids{c});
+  CHECK(beside({a, b, c, d}).empty());
+  // What does not move is nobody.
+  world.turn_into_stand_ins({&b, 1});
+  CHECK(beside({a}).empty());
+}

@@ -13,17 +13,18 @@ namespace {
 
 constexpr auto asleep = Activation::asleep;
 
-/// One server's bodies: a box that sleeps on another one.
+/// One server's bodies: a box that sleeps on another one, or so far above it.
 struct Pile {
   WorldDefinition world = flat_world(2);
   Hosting hosting{world, RegionId{0}, Incarnation{1}};
   const BodyId support = BodyId::world(0), on_top = BodyId::world(1);
   Tick now{300};
 
-  Pile() {
+  explicit Pile(double gap_m = 0) {
     NewBody boxes[] = {{support, box, {}}, {on_top, box, {}}};
     boxes[0].state.position = {50.2, 0.5, 0};
-    boxes[1].state.position = {49.95, 1.5, 0};
+    boxes[1].state.position = {49.95, 1.5 + gap_m, 0};
+    if (gap_m > 0) boxes[0].state.activation = boxes[1].state.activation = asleep;
     hosting.spawn(boxes);
     for (int i = 0; i < 200; ++i) hosting.physics().step(tick_s);
     REQUIRE(hosting.physics().awake_count() == 0);
@@ -55,6 +56,25 @@ TEST_CASE(
   CHECK(physics.touching(pile.on_top) == std::vector{pile.support});
   for (int i = 0; i < 100; ++i) pile.hosting.physics().step(tick_s);
   CHECK(physics.position(pile.on_top).y == Approx(1.5).margin(2e-3));
+}
+
+TEST_CASE("what rests and is handed away stays as a stand-in for what is about to lean on it") {
+  Pile pile(0.03);
+  REQUIRE(pile.hosting.physics().touching(pile.on_top).empty());
+  pile.look(0);
+  const auto released = pile.hosting.release({&pile.support, 1}, pile.now, Hosting::Cut::at_rest);
+  CHECK(released.left_behind == std::vector{pile.support});
+  PhysicsWorld& physics = pile.hosting.physics();
+  physics.wake(pile.on_top);
+  for (int i = 0; i < 100; ++i) physics.step(tick_s);
+  CHECK(physics.position(pile.on_top).y == Approx(1.5).margin(2e-3));
+}
+
+TEST_CASE("what rests and is handed away leaves nothing behind where nobody is beside it") {
+  Pile pile(0.1);
+  pile.look(0);
+  const auto released = pile.hosting.release({&pile.support, 1}, pile.now, Hosting::Cut::at_rest);
+  CHECK(released.left_behind.empty());
 }
 
 TEST_CASE("a support that moves is handed away without a stand-in, and who slept on it wakes") {
