@@ -63,13 +63,10 @@ std::vector<ContactManifold> PhysicsWorld::contacts_within(std::span<const BodyI
   return extract_contacts(impl_->world, impl_->group_of(group, &Impl::body), Partners::within);
 }
 
-std::vector<ContactManifold> PhysicsWorld::contacts_around(std::span<const BodyId> group) const {
+std::vector<ContactManifold> PhysicsWorld::contacts_around(
+    std::span<const BodyId> group, std::vector<BodyId>* beside_others) const {
   return extract_contacts(impl_->world, impl_->group_of(group, &Impl::body_or_stand_in),
-                          Partners::all);
-}
-
-std::vector<BodyId> PhysicsWorld::beside_others(std::span<const BodyId> group) const {
-  return members_beside_others(impl_->world, impl_->group_of(group, &Impl::body));
+                          Partners::all, beside_others);
 }
 
 std::vector<BodyId> PhysicsWorld::touching(BodyId id) const {

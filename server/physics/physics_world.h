@@ -127,11 +127,11 @@ class PhysicsWorld {
   std::vector<ContactManifold> contacts_within(std::span<const BodyId> group) const;
   /// The same and those between `group` and bodies or stand-ins outside it; if the one outside has
   /// the smaller id, it is a. `group` may name stand-ins.
-  std::vector<ContactManifold> contacts_around(std::span<const BodyId> group) const;
-  /// Those of `group` whose boxes overlap that of a body outside of it, as of the last step or
-  /// later (each box is Bullet's, 2 cm larger than what is in it), whether they touch or not;
-  /// ascending.
-  std::vector<BodyId> beside_others(std::span<const BodyId> group) const;
+  /// `beside_others`, if given, becomes those of the group, ascending, that are beside a body
+  /// outside of it, whether they touch or not: in the last step Bullet's boxes overlapped, which
+  /// are 2 cm larger than what is in them.
+  std::vector<ContactManifold> contacts_around(std::span<const BodyId> group,
+                                               std::vector<BodyId>* beside_others = nullptr) const;
   /// Bodies and stand-ins that share at least one contact point with `id` (a body or a stand-in);
   /// sorted. For one question; who asks about many takes find_touching().
   std::vector<BodyId> touching(BodyId id) const;

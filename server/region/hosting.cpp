@@ -230,14 +230,6 @@ void Hosting::bring_neighbours(HandoffGroup& group, Tick now) const {
   for (const auto& [id, body] : behind) group.stand_ins.push_back(body);
 }
 
-/// Members that bodies of ours lean on, or may in the next step: Bullet loses a contact for a step
-/// now and then, and what has moved by a centimetre touches.
-std::vector<BodyId> Hosting::holding_up(std::span<const BodyId> group, Tick now) const {
-  std::vector<BodyId> members = physics_.beside_others(group);
-  std::erase_if(members, [&](BodyId id) { return !lies_still(id, now); });
-  return members;
-}
-
 Hosting::Released Hosting::release(std::span<const BodyId> ids, Tick now, Cut cut) {
   Released released;
   HandoffGroup& group = released.group;
@@ -249,13 +241,16 @@ Hosting::Released Hosting::release(std::span<const BodyId> ids, Tick now, Cut cu
                             clamped_ticks(now - changed_owner(id), owned_ticks_max)});
   std::sort(group.bodies.begin(), group.bodies.end(),
             [](const auto& a, const auto& b) { return a.body.id < b.body.id; });
-  group.contacts =
-      cut == Cut::at_rest ? physics_.contacts_around(ids) : physics_.contacts_within(ids);
-  std::erase_if(group.contacts, [](const auto& manifold) { return !may_travel(manifold); });
   if (cut == Cut::at_rest) {
-    bring_neighbours(group, now);
-    released.left_behind = holding_up(ids, now);
+    // Not only those that touch: Bullet loses a contact for a step now and then, and what has moved
+    // by a centimetre touches.
+    group.contacts = physics_.contacts_around(ids, &released.left_behind);
+    std::erase_if(released.left_behind, [&](BodyId id) { return !lies_still(id, now); });
+  } else {
+    group.contacts = physics_.contacts_within(ids);
   }
+  std::erase_if(group.contacts, [](const auto& manifold) { return !may_travel(manifold); });
+  if (cut == Cut::at_rest) bring_neighbours(group, now);
   physics_.turn_into_stand_ins(released.left_behind);
   std::vector<BodyId> gone;
   for (const auto& b : group.bodies)

@@ -68,7 +68,7 @@ class Hosting {
 
   /// Stops hosting the bodies and returns them with their contacts; avatars are the caller's
   /// matter. With `cut`, what rests on either side of the cut goes on holding the other up: members
-  /// that lie still and touch bodies that stay are left in place as stand-ins (`left_behind`), and
+  /// that lie still beside bodies that stay are left in place as stand-ins (`left_behind`), and
   /// the still bodies that they touch travel along as stand-ins.
   enum class Cut { nowhere, at_rest };
   struct Released {
@@ -119,7 +119,6 @@ class Hosting {
   Record& next_record(BodyId id);
   void find_contacts_of_sleepers(std::span<const NewBody> bodies);
   void bring_neighbours(HandoffGroup& group, Tick now) const;
-  std::vector<BodyId> holding_up(std::span<const BodyId> group, Tick now) const;
 
   RegionId self_;
   Incarnation incarnation_;

@@ -370,7 +370,7 @@ MUTATIONS = [
     Mutation(
         "nothing-left-standing",
         "what rests and is handed away leaves no stand-in behind",
-        "server/physics/bullet/bullet_queries.cpp",
+        "server/physics/bullet/bullet_contacts.cpp",
         "      beside |= other && ",
         "      beside &= other && ",
         ((REGION, "what rests and is handed away stays as a stand-in for what is about to lean on it"), (REGION, "a resting support that is handed away stays as a stand-in, and who sleeps on it sleeps")),

@@ -49,6 +49,8 @@ void hand_over(Hosting& from, Hosting& to, std::span<const BodyId> ids, Measured
   const double decode_us = cpu_us_of(
       [&] { read = decode_handoff(payload, from.definitions().size(), from.statics().size()); });
   AUREOLE_CHECK(read, "what was encoded here can be read back");
+  // What an earlier group took along is a body there, as whoever leans on it needs it to be.
+  std::erase_if(read->stand_ins, [&](const NewBody& body) { return to.hosts(body.id); });
   to.physics().add_stand_ins(read->stand_ins);
   std::vector<BodyId> taken;
   const double accept_us = cpu_us_of([&] { taken = to.accept(*read, RegionId{0}, now + 1); });

@@ -123,14 +123,17 @@ bool is_left_out(const BulletBody& body, const BulletBody& other, Partners partn
 }  // namespace
 
 std::vector<ContactManifold> extract_contacts(BulletWorld& world,
-                                              std::span<BulletBody* const> group,
-                                              Partners partners) {
+                                              std::span<BulletBody* const> group, Partners partners,
+                                              std::vector<BodyId>* beside_others) {
+  if (beside_others) beside_others->clear();
   for (BulletBody* body : group) body->marked = true;
   std::vector<ContactManifold> out;
   btManifoldArray manifolds;
   for (BulletBody* body : group) {
+    bool beside = false;
     for_each_pair(world, *body, [&](btCollisionObject& object, const btBroadphasePair& pair) {
       const BulletBody* other = body_of(&object);
+      beside |= other && other->role == Role::body && !other->marked;
       if (other && is_left_out(*body, *other, partners)) return;
       if (!has_contact_points(pair, manifolds)) return;
       const bool body_first = !other || body->id < other->id;
@@ -142,6 +145,7 @@ std::vector<ContactManifold> extract_contacts(BulletWorld& world,
         if (manifolds[i]->getNumContacts() > 0)
           out.push_back(plain_manifold(*manifolds[i], a, b, i));
     });
+    if (beside && beside_others) beside_others->push_back(body->id);
   }
   for (BulletBody* body : group) body->marked = false;
   std::sort(out.begin(), out.end(), [](const ContactManifold& x, const ContactManifold& y) {

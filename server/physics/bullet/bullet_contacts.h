@@ -22,10 +22,12 @@ enum class Partners {
   all,     ///< Bodies and stand-ins outside it too.
 };
 
-/// Contacts of `group`, sorted by (a, b, ordinal).
+/// Contacts of `group`, which ascends, sorted by (a, b, ordinal). `beside_others`, if not null,
+/// becomes those of the group, ascending, that make a pair with a body outside of it, whether they
+/// touch or not.
 std::vector<ContactManifold> extract_contacts(BulletWorld& world,
-                                              std::span<BulletBody* const> group,
-                                              Partners partners);
+                                              std::span<BulletBody* const> group, Partners partners,
+                                              std::vector<BodyId>* beside_others = nullptr);
 
 /// Looks at all pairs of the group at once, asleep or not, as the next step would at those awake;
 /// and at those that have been found since there were `pairs_before` of them, none having gone: to

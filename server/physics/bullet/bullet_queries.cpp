@@ -64,22 +64,6 @@ void for_each_pair(BulletWorld& world, const BulletBody& body,
   }
 }
 
-std::vector<BodyId> members_beside_others(BulletWorld& world, std::span<BulletBody* const> group) {
-  for (BulletBody* body : group) body->marked = true;
-  std::vector<BodyId> out;
-  for (const BulletBody* body : group) {
-    bool beside = false;
-    for_each_pair(world, *body, [&](btCollisionObject& object, const btBroadphasePair&) {
-      const BulletBody* other = body_of(&object);
-      beside |= other && other->role == Role::body && !other->marked;
-    });
-    if (beside) out.push_back(body->id);
-  }
-  for (BulletBody* body : group) body->marked = false;
-  std::sort(out.begin(), out.end());
-  return out;
-}
-
 std::vector<BodyId> bodies_touching(BulletWorld& world, const BulletBody& body) {
   std::vector<BodyId> out;
   btManifoldArray manifolds;

@@ -16,8 +16,6 @@ namespace aureole {
 void for_each_pair(BulletWorld& world, const BulletBody& body,
                    const std::function<void(btCollisionObject&, const btBroadphasePair&)>& visit);
 
-/// Of `group`, ascending, those that make a pair with a body outside of it.
-std::vector<BodyId> members_beside_others(BulletWorld& world, std::span<BulletBody* const> group);
 std::vector<BodyId> bodies_touching(BulletWorld& world, const BulletBody& body);
 /// Replaces `found` by the slots of the bodies that share a contact point with `body`, ascending.
 /// Returns how many it touches, stand-ins included; a compound stand-in may count more than once.

@@ -104,7 +104,11 @@ TEST_CASE("those of a group are found that are beside bodies outside of it") {
                                  body(2, cube, 2.13, 0.5, 0), body(3, cube, 3.13, 0.5, 0)};
   world.add(row);
   using Ids = std::vector<BodyId>;
-  const auto beside = [&](const Ids& group) { return world.beside_others(group); };
+  const auto beside = [&](const Ids& group) {
+    Ids found{BodyId::world(99)};
+    world.contacts_around(group, &found);
+    return found;
+  };
   const BodyId a = row[0].id, b = row[1].id, c = row[2].id, d = row[3].id;
   CHECK(world.touching(a).empty());
   CHECK(beside({a}) == Ids{a});
