@@ -5,7 +5,6 @@
 #include <boost/container/small_vector.hpp>
 #include <limits>
 #include <map>
-#include <set>
 
 #include "server/aura/migration_policy.h"
 #include "server/base/check.h"
@@ -241,14 +240,11 @@ Hosting::Released Hosting::release(std::span<const BodyId> ids, Tick now, Cut cu
                             clamped_ticks(now - changed_owner(id), owned_ticks_max)});
   std::sort(group.bodies.begin(), group.bodies.end(),
             [](const auto& a, const auto& b) { return a.body.id < b.body.id; });
-  if (cut == Cut::at_rest) {
-    // Not only those that touch: Bullet loses a contact for a step now and then, and what has moved
-    // by a centimetre touches.
-    group.contacts = physics_.contacts_around(ids, &released.left_behind);
-    std::erase_if(released.left_behind, [&](BodyId id) { return !lies_still(id, now); });
-  } else {
-    group.contacts = physics_.contacts_within(ids);
-  }
+  // Beside others, not only touching: Bullet loses a contact for a step now and then, and what has
+  // moved by a centimetre touches.
+  group.contacts = cut == Cut::at_rest ? physics_.contacts_around(ids, &released.left_behind)
+                                       : physics_.contacts_within(ids);
+  std::erase_if(released.left_behind, [&](BodyId id) { return !lies_still(id, now); });
   std::erase_if(group.contacts, [](const auto& manifold) { return !may_travel(manifold); });
   if (cut == Cut::at_rest) bring_neighbours(group, now);
   physics_.turn_into_stand_ins(released.left_behind);

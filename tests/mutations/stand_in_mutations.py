@@ -1,0 +1,80 @@
+"""What stands for other servers' resting bodies, and whether it is struck (server/region/stand_ins)."""
+
+from mutation import REGION, Mutation
+
+MUTATIONS = [
+    Mutation(
+        "far-stand-ins",
+        "what did not stand since nobody was near does not when somebody comes",
+        "server/region/stand_ins/stand_ins.cpp",
+        "  if (ours_->take_grown()) put_up_what_is_near();\n",
+        "",
+        ((REGION, "what none of ours is near to does not stand until one of ours comes"),),
+    ),
+    Mutation(
+        "walls-for-arrivals",
+        "what is handed over finds what it lies on standing a step too late",
+        "server/region/region_step.cpp",
+        "    stand_ins_.note_ours(coming);\n",
+        "",
+        ((REGION, "what is handed over finds standing what it lies on, from its first step on"),),
+    ),
+    Mutation(
+        "wake-left-behind",
+        "what leant on a body that is handed away is not woken",
+        "server/region/hosting.cpp",
+        "  physics_.remove(gone);",
+        "  physics_.remove(gone, Wake::nobody);",
+        ((REGION, "a sleeping support that is handed away*"),
+         (REGION, "a support that moves is handed away without a stand-in*")),
+    ),
+    Mutation(
+        "shifted-load",
+        "a load that shifts because the cut has changed counts as a blow",
+        "server/region/stand_ins/stand_in_watch.cpp",
+        "  if (still && rise_mps < blow_mps && may_shift(load.body, now)) {",
+        "  if (still && rise_mps < 0 && may_shift(load.body, now)) {",
+        ((REGION, "what leans on two stand-ins and loses one leans on the other, and strikes nothing"),
+         (REGION, "what leans on a stand-in and gets another one may find its level anew")),
+    ),
+    Mutation(
+        "flickering-contact",
+        "a contact that Bullet loses for a step counts as a blow when it is found again",
+        "server/region/stand_ins/stand_in_watch.cpp",
+        "still && flickered ?",
+        "still && false ?",
+        ((REGION, "a contact that is lost for a step in which the body falls is no blow when it lies still"),),
+    ),
+    Mutation(
+        "nothing-left-standing",
+        "what rests and is handed away leaves no stand-in behind",
+        "server/physics/bullet/bullet_contacts.cpp",
+        "      beside |= other && ",
+        "      beside &= other && ",
+        ((REGION, "what rests and is handed away stays as a stand-in for what is about to lean on it"), (REGION, "a resting support that is handed away stays as a stand-in, and who sleeps on it sleeps")),
+    ),
+    Mutation(
+        "vouched-for-ever",
+        "a stand-in that nobody vouches for is never due",
+        "server/region/stand_ins/stand_ins.cpp",
+        "  unvouched_from_ = unvouched_.empty() ? entry.since : std::min(unvouched_from_, entry.since);\n",
+        "  unvouched_from_ = Tick{1'000'000'000};\n",
+        ((REGION, "a stand-in that is gone wakes what leant on it, one that is handed over stays a while"), (REGION, "while its owner cannot be heard a stand-in stays; what is not told again then goes")),
+    ),
+    Mutation(
+        "asleep-inside",
+        "nobody wakes inside a stand-in",
+        "server/physics/physics_stand_ins.cpp",
+        "getDistance() < -deeper_than_m",
+        "getDistance() < -1000 * deeper_than_m",
+        ((REGION, "who sleeps inside another server's body wakes, who has sunk into it a little sleeps on"),),
+    ),
+    Mutation(
+        "as-many-as-before",
+        "as many stand-ins as before are taken for the same",
+        "server/region/stand_ins/stand_in_watch.cpp",
+        "  if (!std::equal(stand_ins.begin(), stand_ins.end(), stand_ins_.begin(), stand_ins_.end())) {\n",
+        "  if (stand_ins.size() != stand_ins_.size()) {\n",
+        ((REGION, "a stand-in that is lost while another one comes elsewhere is lost all the same"),),
+    ),
+]
